@@ -1,0 +1,1 @@
+//! The laboratory: sweeps, fragments, statistics, tables, figures and reports.

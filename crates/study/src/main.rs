@@ -1,0 +1,3 @@
+//! The `snowlab` command line.
+
+fn main() {}
