@@ -1,0 +1,173 @@
+//! Obstacles: contact with friction on grid nodes and on particles (S13 sections 8 and 4.1 steps 5 and 9).
+
+use crate::error::SceneError;
+use crate::geometry::{Shape, Vector, is_zero};
+use crate::grid::Grid;
+use crate::ledger::StepLedger;
+use crate::particles::{ParticleConstants, ParticleMotion};
+use crate::real::Real;
+use crate::scene::Scene;
+
+/// What happens to the velocity relative to an obstacle inside it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Contact {
+    /// Free to leave; Coulomb friction while pressed on.
+    Separate,
+    /// The normal component vanishes, leaving included; Coulomb friction.
+    Slip,
+    /// The whole relative velocity vanishes.
+    Sticky,
+    /// A plane of symmetry on a row of nodes.
+    Mirror,
+}
+
+/// An obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Collider<T: Real, const D: usize> {
+    /// Its solid at t = 0.
+    pub shape: Shape<T, D>,
+    /// What touching it does.
+    pub contact: Contact,
+    /// Coulomb coefficient mu >= 0.
+    pub friction: T,
+    /// Constant velocity [m/s].
+    pub velocity: Vector<T, D>,
+}
+
+/// An axis-aligned plane of nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MirrorPlane {
+    /// The axis it is normal to.
+    pub axis: usize,
+    /// Index of its nodes on that axis.
+    pub node: i32,
+    /// Whether the material lies at greater coordinates.
+    pub material_above: bool,
+}
+
+impl<T: Real, const D: usize> Collider<T, D> {
+    /// The obstacle's effect on a point of the material at `x` moving with `v`, at time `time` [s]: the new velocity, or
+    /// `None` where there is no contact.
+    #[inline]
+    pub fn respond(&self, x: &Vector<T, D>, v: &Vector<T, D>, time: f64) -> Option<Vector<T, D>> {
+        let surface = self.shape.surface(&(x - self.velocity * T::of(time)));
+        if surface.distance > T::zero() {
+            return None;
+        }
+        let relative = v - self.velocity;
+        let normal_speed = relative.dot(&surface.normal);
+        let leaving = normal_speed >= T::zero();
+        let answer = match self.contact {
+            Contact::Sticky => Vector::zeros(),
+            Contact::Separate | Contact::Mirror if leaving => return None,
+            Contact::Separate | Contact::Slip | Contact::Mirror => {
+                let tangential = relative - surface.normal * normal_speed;
+                rub(&tangential, normal_speed, self.friction)
+            }
+        };
+        Some(answer + self.velocity)
+    }
+
+    /// The mirror's plane on a grid of the given spacing.
+    ///
+    /// # Errors
+    /// Where the obstacle is not a static half-space along an axis with its plane on a row of nodes.
+    pub fn mirror_plane(&self, spacing: T) -> Result<MirrorPlane, SceneError> {
+        let refuse = |reason: String| Err(SceneError::Mirror { reason });
+        let Shape::HalfSpace { point, normal } = &self.shape else {
+            return refuse("it is not a half-space".into());
+        };
+        if !is_zero(&self.velocity) {
+            return refuse("it moves".into());
+        }
+        let Some(axis) = (0..D).find(|&k| normal[k].abs() == T::one()) else {
+            return refuse("its normal is not along an axis".into());
+        };
+        let row = point[axis].as_f64() / spacing.as_f64();
+        // chosen: a plane within 1e-4 of a cell of a row of nodes is meant to lie on it.
+        if (row - row.round()).abs() > 1e-4 {
+            return refuse(format!("its plane lies at {row} cells; move it to a whole number of them"));
+        }
+        Ok(MirrorPlane { axis, node: row.round() as i32, material_above: normal[axis] > T::zero() })
+    }
+}
+
+/// The tangential velocity after friction: |v_t| falls by mu |v_n|, at most to zero (S13 section 8). A collider that
+/// is left (v_n >= 0, contact `slip`) does not press and does not rub.
+#[inline]
+fn rub<T: Real, const D: usize>(tangential: &Vector<T, D>, normal_speed: T, friction: T) -> Vector<T, D> {
+    let grip = -friction * normal_speed.min(T::zero());
+    let speed = tangential.norm();
+    if speed <= grip { Vector::zeros() } else { tangential * (T::one() - grip / speed) }
+}
+
+/// Stage 4: obstacles act on the velocity of grid nodes.
+pub(crate) fn collide_grid<T: Real, const D: usize>(
+    scene: &Scene<T, D>,
+    grid: &mut Grid<T, D>,
+    time: f64,
+    empty: T,
+    ledger: &mut StepLedger<D>,
+) {
+    for (number, collider) in scene.colliders.iter().enumerate() {
+        if collider.contact == Contact::Mirror {
+            continue;
+        }
+        for index in 0..grid.node_count() {
+            let mass = grid.sums[index].mass;
+            if mass <= empty {
+                continue;
+            }
+            let x = grid.position(index);
+            let motion = &mut grid.motion[index];
+            if let Some(velocity) = collider.respond(&x, &motion.velocity, time) {
+                let change = velocity - motion.velocity;
+                if !is_zero(&change) {
+                    // The energy of an impulse J over a step from v^n to v^{n+1} is J . (v^n + v^{n+1}) / 2: a floor that
+                    // merely bears a load then loses nothing, for v^n = v^{n+1} = 0 there.
+                    let start = motion.velocity - motion.change;
+                    ledger.push(number, &(change * mass), &start, &velocity);
+                    motion.velocity = velocity;
+                    motion.change += change;
+                }
+            }
+        }
+    }
+}
+
+/// The time a step ends [s], and its length [s].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Interval<T> {
+    pub arrival: f64,
+    pub dt: T,
+}
+
+/// Stage 8: obstacles act on particles: on the velocity a particle keeps and on the one that moves it. Contact is tested
+/// where the particle would arrive, so that none ends a step inside an obstacle that it was outside of.
+pub(crate) fn collide_particles<T: Real, const D: usize>(
+    scene: &Scene<T, D>,
+    constants: &ParticleConstants<T>,
+    position: &[Vector<T, D>],
+    next: &mut ParticleMotion<T, D>,
+    advecting: &mut [Vector<T, D>],
+    interval: Interval<T>,
+    ledger: &mut StepLedger<D>,
+) {
+    let Interval { arrival, dt } = interval;
+    for (number, collider) in scene.colliders.iter().enumerate() {
+        for p in 0..position.len() {
+            let target = position[p] + advecting[p] * dt;
+            if collider.shape.surface(&(target - collider.velocity * T::of(arrival))).distance > T::zero() {
+                continue;
+            }
+            if let Some(velocity) = collider.respond(&target, &next.velocity[p], arrival) {
+                let change = velocity - next.velocity[p];
+                ledger.push(number, &(change * constants.mass[p]), &next.velocity[p], &velocity);
+                next.velocity[p] = velocity;
+            }
+            if let Some(velocity) = collider.respond(&target, &advecting[p], arrival) {
+                advecting[p] = velocity;
+            }
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Snow: fixed corotated elasticity, a box on the principal stretches as yield surface, exponential hardening
+//! (S13 sections 5 and 5.1).
+
+use super::{ConstitutiveModel, Lame, PlasticFlow};
+use crate::geometry::Matrix;
+use crate::math::{signed_svd, stretches_within};
+use crate::real::Real;
+
+/// Snow's parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Snow<T> {
+    /// Lame parameters at J_P = 1 [Pa].
+    pub lame: Lame<T>,
+    /// Critical compression theta_c: stretches below 1 - theta_c flow.
+    pub critical_compression: T,
+    /// Critical stretch theta_s: stretches above 1 + theta_s flow.
+    pub critical_stretch: T,
+    /// Hardening coefficient xi.
+    pub hardening: T,
+    /// Bounds on the plastic volume ratio J_P; a run in which one takes effect is marked. (0, infinity) is S13's model.
+    pub plastic_ratio_bounds: (T, T),
+}
+
+impl<T: Real, const D: usize> ConstitutiveModel<T, D> for Snow<T> {
+    #[inline]
+    fn lame(&self) -> Lame<T> {
+        self.lame
+    }
+
+    #[inline]
+    fn hardening(&self, plastic_ratio: T) -> T {
+        (self.hardening * (T::one() - plastic_ratio)).exponential()
+    }
+
+    /// s_i -> clamp(s_i, 1 - theta_c, 1 + theta_s), J_P <- J_P prod(s_i) / prod(clamped s_i) (S13 section 6.1.1; of F_P
+    /// only its determinant enters the energy).
+    #[inline]
+    fn flow(&self, trial: &Matrix<T, D>, plastic_ratio: T) -> Option<PlasticFlow<T, D>> {
+        let least = T::one() - self.critical_compression;
+        let greatest = T::one() + self.critical_stretch;
+        if stretches_within(trial, least, greatest) {
+            return None;
+        }
+        let mut svd = signed_svd(trial);
+        let mut ratio = plastic_ratio;
+        for s in svd.stretches.iter_mut() {
+            let clamped = s.max(least).min(greatest);
+            ratio *= *s / clamped;
+            *s = clamped;
+        }
+        let (lower, upper) = self.plastic_ratio_bounds;
+        let bounded = ratio.max(lower).min(upper);
+        Some(PlasticFlow { deformation: svd.recompose(), plastic_ratio: bounded, clamped: bounded != ratio })
+    }
+
+    /// The yield surface keeps every stretch within a few percent of 1, which the default safety factor covers.
+    #[inline]
+    fn wave_modulus(&self, _f: &Matrix<T, D>) -> T {
+        self.lame.wave_modulus::<D>()
+    }
+}

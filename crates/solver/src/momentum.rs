@@ -1,0 +1,38 @@
+//! Stage 3: the velocity of grid nodes.
+
+use crate::geometry::Vector;
+use crate::grid::{Grid, NodeMotion};
+use crate::ledger::StepLedger;
+use crate::real::Real;
+
+/// v* = v + dt (f / m + g) on every node that holds mass; others stand still, and what they hold is booked.
+pub(crate) fn update_grid_velocity<T: Real, const D: usize>(
+    grid: &mut Grid<T, D>,
+    gravity: &Vector<T, D>,
+    dt: T,
+    empty: T,
+    ledger: &mut StepLedger<D>,
+) {
+    for (sums, motion) in grid.sums.iter().zip(&mut grid.motion) {
+        if sums.mass <= empty {
+            ledger.dropped_mass += sums.mass.as_f64();
+            *motion = NodeMotion::still();
+            continue;
+        }
+        let per_mass = T::one() / sums.mass;
+        let change = (sums.force * per_mass + gravity) * dt;
+        *motion = NodeMotion { velocity: sums.momentum * per_mass + change, change };
+    }
+}
+
+/// Kinetic energy of the nodes' sums, p^2 / 2m [J].
+pub(crate) fn kinetic_of_sums<T: Real, const D: usize>(grid: &Grid<T, D>, empty: T) -> f64 {
+    let held = grid.sums.iter().filter(|sums| sums.mass > empty);
+    held.map(|sums| (sums.momentum.norm_squared() / sums.mass).as_f64()).sum::<f64>() * 0.5
+}
+
+/// Kinetic energy of the nodes' motion, m v^2 / 2 [J].
+pub(crate) fn kinetic_of_motion<T: Real, const D: usize>(grid: &Grid<T, D>) -> f64 {
+    let nodes = grid.sums.iter().zip(&grid.motion);
+    nodes.map(|(sums, motion)| (motion.velocity.norm_squared() * sums.mass).as_f64()).sum::<f64>() * 0.5
+}

@@ -1,0 +1,77 @@
+//! The scalar type of a run: `f32` or `f64`.
+
+use nalgebra::RealField;
+
+/// A floating point type a run can be computed in.
+///
+/// The transcendental functions come from `libm`, never from the system's library, so that a run has the same bits
+/// on every machine; `sqrt` and the four operations are exact by IEEE 754.
+pub trait Real: RealField + Copy {
+    /// A node whose mass is below this share of the lightest particle's mass counts as empty (chosen: far above the
+    /// denormal numbers, so that momentum / mass keeps its relative precision, far below what a result can show).
+    const EMPTY_NODE_SHARE: f64;
+
+    /// The value nearest to `x`.
+    fn of(x: f64) -> Self;
+    /// The value as `f64`, without loss.
+    fn as_f64(self) -> f64;
+    /// e to the power of `self`.
+    fn exponential(self) -> Self;
+    /// The greatest integer not above `self`; saturates at the ends of `i32`.
+    fn floor_index(self) -> i32;
+    /// The value nearest to the integer `i`.
+    fn of_index(i: i32) -> Self;
+}
+
+impl Real for f64 {
+    const EMPTY_NODE_SHARE: f64 = 1e-30;
+
+    #[inline(always)]
+    fn of(x: f64) -> Self {
+        x
+    }
+    #[inline(always)]
+    fn as_f64(self) -> f64 {
+        self
+    }
+    #[inline]
+    fn exponential(self) -> Self {
+        libm::exp(self)
+    }
+    #[inline(always)]
+    fn floor_index(self) -> i32 {
+        // `f64::floor` is a library call on the x86-64 baseline; truncation and one compare are not.
+        let i = self as i32;
+        i - i32::from((i as f64) > self)
+    }
+    #[inline(always)]
+    fn of_index(i: i32) -> Self {
+        f64::from(i)
+    }
+}
+
+impl Real for f32 {
+    const EMPTY_NODE_SHARE: f64 = 1e-20;
+
+    #[inline(always)]
+    fn of(x: f64) -> Self {
+        x as f32
+    }
+    #[inline(always)]
+    fn as_f64(self) -> f64 {
+        f64::from(self)
+    }
+    #[inline]
+    fn exponential(self) -> Self {
+        libm::expf(self)
+    }
+    #[inline(always)]
+    fn floor_index(self) -> i32 {
+        let i = self as i32;
+        i - i32::from((i as f32) > self)
+    }
+    #[inline(always)]
+    fn of_index(i: i32) -> Self {
+        i as f32
+    }
+}

@@ -1,0 +1,178 @@
+//! What changes in a run.
+
+use crate::error::SceneError;
+use crate::geometry::{Matrix, Vector};
+use crate::kernel::{Cubic, Kernel, KernelKind, Quadratic};
+use crate::ledger::Ledger;
+use crate::material::ConstitutiveModel;
+use crate::particles::{ParticleConstants, ParticleMotion};
+use crate::real::Real;
+use crate::scene::Scene;
+use crate::stencil::Stencil;
+
+/// Everything that a step reads and changes: saved and restored, a run goes on as if nothing had happened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State<T: Real, const D: usize> {
+    /// World position of the local origin [m]; a node of the grid lies there.
+    pub origin: Vector<f64, D>,
+    /// Time [s].
+    pub time: f64,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Fields that change.
+    pub motion: ParticleMotion<T, D>,
+    /// Fields that do not.
+    pub constants: ParticleConstants<T>,
+    /// Sums over the run.
+    pub ledger: Ledger<D>,
+    /// When an obstacle first changed a velocity [s].
+    pub first_contact: Option<f64>,
+    /// Factor on C_wave; the watchdog halves it.
+    pub step_factor: f64,
+}
+
+/// A particle as a sampler or a file gives it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InitialParticle<const D: usize> {
+    /// World position [m].
+    pub position: Vector<f64, D>,
+    /// Velocity [m/s].
+    pub velocity: Vector<f64, D>,
+    /// Mass [kg].
+    pub mass: f64,
+    /// Rest volume [m^D].
+    pub volume: f64,
+    /// Factor on the Lame parameters.
+    pub stiffness_scale: f64,
+    /// Index into the scene's materials.
+    pub material: u16,
+}
+
+impl<T: Real, const D: usize> State<T, D> {
+    /// Undeformed particles at t = 0. `origin` is the world position that local coordinates count from.
+    ///
+    /// # Errors
+    /// A particle with a value that is not finite, a mass, volume or stiffness that is not positive, or a material that
+    /// the scene does not have.
+    pub fn at_rest(
+        scene: &Scene<T, D>,
+        origin: Vector<f64, D>,
+        particles: &[InitialParticle<D>],
+    ) -> Result<Self, SceneError> {
+        scene.validate()?;
+        for (number, particle) in particles.iter().enumerate() {
+            particle.validate(number, scene.materials.len())?;
+        }
+        let field = |f: &dyn Fn(&InitialParticle<D>) -> f64| particles.iter().map(|p| T::of(f(p))).collect();
+        let local = |v: Vector<f64, D>| v.map(T::of);
+        let affine = if scene.transfer.keeps_affine() { particles.len() } else { 0 };
+        Ok(State {
+            origin,
+            time: 0.0,
+            steps: 0,
+            motion: ParticleMotion {
+                position: particles.iter().map(|p| local(p.position - origin)).collect(),
+                velocity: particles.iter().map(|p| local(p.velocity)).collect(),
+                affine: vec![Matrix::zeros(); affine],
+                deformation: vec![Matrix::identity(); particles.len()],
+                plastic_ratio: vec![T::one(); particles.len()],
+                stiffness: field(&|p| p.stiffness_scale),
+            },
+            constants: ParticleConstants {
+                mass: field(&|p| p.mass),
+                volume: field(&|p| p.volume),
+                stiffness_scale: field(&|p| p.stiffness_scale),
+                material: particles.iter().map(|p| p.material).collect(),
+                id: (0..particles.len() as u32).collect(),
+            },
+            ledger: Ledger::new(scene.colliders.len()),
+            first_contact: None,
+            step_factor: 1.0,
+        })
+    }
+
+    /// The number of particles.
+    pub fn len(&self) -> usize {
+        self.motion.len()
+    }
+
+    /// Whether there is no particle.
+    pub fn is_empty(&self) -> bool {
+        self.motion.is_empty()
+    }
+
+    /// World position of particle `p` [m].
+    pub fn world_position(&self, p: usize) -> Vector<f64, D> {
+        self.origin + self.motion.position[p].map(|c| c.as_f64())
+    }
+
+    /// Indices of the particles in the order of their ids.
+    pub fn by_id(&self) -> Vec<usize> {
+        let mut order = vec![0; self.len()];
+        for (p, &id) in self.constants.id.iter().enumerate() {
+            order[id as usize] = p;
+        }
+        order
+    }
+
+    /// S13's rest volumes (section 4.1 step 2): V_p = m_p / rho(x_p), rho the grid's density at the particle. Their sum is not the
+    /// body's volume: the density reads low near the surface and, for random placement, inside.
+    pub fn assign_density_volumes(&mut self, scene: &Scene<T, D>) {
+        match scene.kernel {
+            KernelKind::Cubic => self.density_volumes::<Cubic>(scene.spacing),
+            KernelKind::Quadratic => self.density_volumes::<Quadratic>(scene.spacing),
+        }
+    }
+
+    fn density_volumes<K: Kernel>(&mut self, spacing: T) {
+        let mut nodes = std::collections::BTreeMap::<[i32; D], T>::new();
+        let stencils: Vec<_> = self
+            .motion
+            .position
+            .iter()
+            .map(|x| Stencil::<T, D>::at::<K, false>(x, spacing, T::one() / spacing))
+            .collect();
+        for (stencil, &mass) in stencils.iter().zip(&self.constants.mass) {
+            for (node, weight) in stencil.nodes::<K>() {
+                *nodes.entry(node).or_insert(T::zero()) += weight * mass;
+            }
+        }
+        let cell_volume = (0..D).fold(T::one(), |v, _| v * spacing);
+        for (p, stencil) in stencils.iter().enumerate() {
+            let density =
+                stencil.nodes::<K>().fold(T::zero(), |sum, (node, weight)| sum + weight * nodes[&node]);
+            self.constants.volume[p] = self.constants.mass[p] * cell_volume / density;
+        }
+    }
+
+    /// Sets every particle's plastic ratio, with the stiffness that follows from it: a pre-compacted or pre-damaged body.
+    pub fn set_plastic_ratio(&mut self, scene: &Scene<T, D>, p: usize, ratio: T) {
+        let material = &scene.materials[self.constants.material[p] as usize];
+        self.motion.plastic_ratio[p] = ratio;
+        self.motion.stiffness[p] =
+            self.constants.stiffness_scale[p] * ConstitutiveModel::<T, D>::hardening(material, ratio);
+    }
+}
+
+impl<const D: usize> InitialParticle<D> {
+    fn validate(&self, particle: usize, materials: usize) -> Result<(), SceneError> {
+        let check = |holds: bool, quantity: &'static str, value: f64, allowed: &'static str| {
+            if holds { Ok(()) } else { Err(SceneError::Particle { particle, quantity, value, allowed }) }
+        };
+        for k in 0..D {
+            check(self.position[k].is_finite(), "position", self.position[k], "finite")?;
+            check(self.velocity[k].is_finite(), "velocity", self.velocity[k], "finite")?;
+        }
+        for (quantity, value) in
+            [("mass", self.mass), ("volume", self.volume), ("stiffness scale", self.stiffness_scale)]
+        {
+            check(value > 0.0 && value.is_finite(), quantity, value, "finite and > 0")?;
+        }
+        check(
+            (self.material as usize) < materials,
+            "material",
+            f64::from(self.material),
+            "an index of the scene's",
+        )
+    }
+}

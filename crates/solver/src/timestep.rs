@@ -1,0 +1,70 @@
+//! How long a step may be.
+
+use crate::geometry::Vector;
+use crate::kernel::{Cubic, Kernel, KernelKind, Quadratic};
+use crate::material::ConstitutiveModel;
+use crate::real::Real;
+use crate::scene::{Scene, StepLength, Transfer};
+use crate::state::State;
+
+/// The largest dt max_p c_p / h at which the explicit step is stable for any placement of particles, c_p^2 = (2 mu + D lambda) V / m:
+/// 2 / sqrt(G), G = max sum_i |dw/dx|^2 / w on one axis. Derived in docs/stability.md.
+pub fn wave_limit(kernel: KernelKind, transfer: Transfer) -> f64 {
+    let bound = match (kernel, transfer) {
+        // For D^-1 w (x_i - x_p) the sum is D^-1 itself.
+        (KernelKind::Cubic, Transfer::Mls) => Cubic::INVERSE_INERTIA,
+        (KernelKind::Quadratic, Transfer::Mls) => Quadratic::INVERSE_INERTIA,
+        (KernelKind::Cubic, _) => Cubic::GRADIENT_BOUND,
+        (KernelKind::Quadratic, _) => Quadratic::GRADIENT_BOUND,
+    };
+    2.0 / bound.sqrt()
+}
+
+/// max_p c_p^2 [m^2/s^2], with the stiffness each particle has now.
+pub fn fastest_wave_squared<T: Real, const D: usize>(scene: &Scene<T, D>, state: &State<T, D>) -> T {
+    let (motion, constants) = (&state.motion, &state.constants);
+    let mut fastest = T::zero();
+    for p in 0..motion.len() {
+        let modulus = scene.materials[constants.material[p] as usize].wave_modulus(&motion.deformation[p]);
+        let squared = modulus * motion.stiffness[p] * constants.volume[p] / constants.mass[p];
+        if squared > fastest {
+            fastest = squared;
+        }
+    }
+    fastest
+}
+
+fn fastest_particle_squared<T: Real, const D: usize>(velocities: &[Vector<T, D>]) -> T {
+    velocities.iter().fold(T::zero(), |fastest, v| {
+        let squared = v.norm_squared();
+        if squared > fastest { squared } else { fastest }
+    })
+}
+
+/// The length of the next step [s], before it is cut to meet an output.
+pub fn step_length<T: Real, const D: usize>(scene: &Scene<T, D>, state: &State<T, D>) -> f64 {
+    match scene.time_step.length {
+        StepLength::Fixed(dt) => dt,
+        StepLength::Adaptive { wave, advection, greatest } => {
+            let h = scene.spacing.as_f64();
+            let courant =
+                wave.unwrap_or_else(|| 0.5 * wave_limit(scene.kernel, scene.transfer)) * state.step_factor;
+            let wave_speed = fastest_wave_squared(scene, state).as_f64().sqrt();
+            let speed = fastest_particle_squared(&state.motion.velocity).as_f64().sqrt();
+            // A speed of 0 gives an infinite limit, which `greatest` bounds.
+            (courant * h / wave_speed).min(advection * h / speed).min(greatest)
+        }
+    }
+}
+
+/// `dt` cut so that `remaining` seconds are met exactly, and so that the last two steps before are alike rather than
+/// the last one tiny.
+pub fn meet(dt: f64, remaining: f64) -> f64 {
+    if dt >= remaining {
+        remaining
+    } else if 2.0 * dt > remaining {
+        0.5 * remaining
+    } else {
+        dt
+    }
+}
