@@ -1,1 +1,2 @@
 //! The laboratory: sweeps, fragments, statistics, tables, figures and reports.
+pub mod metrics;
