@@ -1,2 +1,4 @@
 //! The laboratory: sweeps, fragments, statistics, tables, figures and reports.
 pub mod metrics;
+
+pub mod statistics;
