@@ -1,3 +1,4 @@
 //! The laboratory: sweeps, fragments, statistics, tables, figures and reports.
 
+pub mod claims;
 pub mod statistics;
