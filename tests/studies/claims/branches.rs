@@ -178,7 +178,15 @@ fn rules_3_to_5_compare_the_effect_with_delta() {
     outlier.push(5.0);
     // The mirror image: the t bound U lies above delta, the BCa bound below 0.
     let mirrored: Vec<f64> = outlier.iter().map(|d| -d).collect();
+    // Negative throughout: BCa calls it reversed, t does not.
+    let mut deep = vec![-0.05; 11];
+    deep.push(-1.0);
+    // Two high values of 24: the 99 % t interval ends at -0.006, BCa follows the tail to above 0.
+    let mut tailed = vec![-0.3; 22];
+    tailed.extend([0.9, 0.9]);
     check_table(vec![
+        ("t smaller, BCa reversed", differing(&deep), "refuted (smaller than 1.25x)"),
+        ("t reversed, BCa smaller", differing(&tailed), "refuted (smaller than 1.25x)"),
         ("well above", differing(&around(0.5, 0.1, 24)), "supported"),
         ("d just above delta", differing(&around(0.224, 0.05, 24)), "supported"),
         ("I above 0, d just below delta", differing(&around(0.222, 0.05, 24)), "inconclusive (not resolved)"),
@@ -197,6 +205,10 @@ fn rules_3_to_5_compare_the_effect_with_delta() {
         ("t open, BCa supports", differing(&outlier), "inconclusive (t and BCa disagree)"),
         ("t open, BCa refutes", differing(&mirrored), "inconclusive (t and BCa disagree)"),
     ]);
+    let reversed = |interval: Option<snowlab_study::statistics::Interval>| interval.unwrap().lies_below(0.0);
+    let (deep, tailed) = (judged(&differing(&deep)).evidence, judged(&differing(&tailed)).evidence);
+    assert!(!reversed(deep.interval_t) && reversed(deep.interval_bca));
+    assert!(reversed(tailed.interval_t) && !reversed(tailed.interval_bca));
     let Verdict::Inconclusive(reason) = judged(&differing(&outlier)).verdict else { panic!("inconclusive") };
     assert_eq!(reason, Reason::MethodsDisagree { by_t: None, by_bca: Some(Finding::Supported) });
 }
@@ -231,6 +243,14 @@ fn rule_6_asks_a_support_to_withstand_every_check() {
             "two checks below delta/2",
             checked(&primary, &[(Check::LongLink, small()), (Check::HalfStep, small())]),
             "inconclusive (measurement: link 3h, dt/2)",
+        ),
+        (
+            "two checks between delta/2 and delta",
+            checked(
+                &primary,
+                &[(Check::LongLink, around(0.15, 0.05, 24)), (Check::HalfStep, around(0.15, 0.05, 24))],
+            ),
+            "supported",
         ),
         (
             "flood fill not clear of 0, bond graph is",

@@ -106,11 +106,15 @@ fn range_needs_both_the_permutation_and_the_bootstrap() {
     assert_eq!(phrase(0.0, 0.05), "refuted (smaller than 1.25x)");
     assert_eq!(phrase(0.05, 0.02), "refuted (smaller than 1.25x)");
     assert_eq!(phrase(0.09, 0.3), "inconclusive (not resolved)");
-    let evidence = assessed(&claim, &observed(table(&claim, |_, index| index as f64))).evidence;
+    let steep = observed(table(&claim, |_, index| index as f64));
+    let evidence = assessed(&claim, &steep).evidence;
     assert_eq!((evidence.effect, evidence.cliffs_delta), (Some(3.0), Some(1.0)));
     assert_eq!((evidence.interval_t, evidence.standard_deviation), (None, None));
     // No permutation of 2000 reaches a range on which all 16 blocks agree.
     assert_eq!(evidence.p_value, Some(1.0 / 2001.0));
+    // Fifty permutations cannot show p < 0.01, however wide the range: 1/51.
+    let coarse = assess(&claim, &steep, 5, Resampling { permutations: 50, ..RESAMPLING }).unwrap();
+    assert_eq!(coarse.verdict.to_string(), "inconclusive (not resolved)");
 }
 
 #[test]
