@@ -12,8 +12,11 @@ pub const MAX_REACH: u32 = 3;
 /// Empty cell numbers left round every cluster, so that offsets up to [`MAX_REACH`] never wrap or meet.
 const MARGIN: u32 = 8;
 /// An axis longer than this many cells is numbered cluster by cluster. Chosen: far below the 2^53 cells at which f64
-/// stops telling cells apart, and inside 32 bits.
+/// blurs the walls, and inside 32 bits.
 const LONG_AXIS: f64 = (1u64 << 30) as f64;
+/// Farther than this many cells from the origin f64 tells neighbouring cells apart no longer, and walls are placed by
+/// the particles there.
+const RESOLVED: f64 = (1u64 << 52) as f64;
 /// Bits of a key per axis, and of the particle's index below them.
 const FIELD: u32 = 32;
 
@@ -122,14 +125,12 @@ impl<const D: usize> CellList<D> {
         }
     }
 
-    /// Calls `visit(i, j, d2)` once for every unordered pair of particles with squared distance d2 [m^2] at most
-    /// `radius` squared. The cells must have been made with [`side_over`]`(radius)`.
-    pub fn for_each_pair_within(&self, radius: f64, mut visit: impl FnMut(u32, u32, f64)) {
-        let greatest = radius * radius;
+    /// Calls `visit(a, b)` once for every unordered pair of slots whose points are at most `radius` [m] apart. The cells
+    /// must have been made with [`side_over`]`(radius)`.
+    pub fn for_each_pair_within(&self, radius: f64, mut visit: impl FnMut(usize, usize)) {
         let mut test = |a: usize, b: usize| {
-            let squared = squared_distance(&self.points[a], &self.points[b]);
-            if squared <= greatest {
-                visit(self.order[a], self.order[b], squared);
+            if squared_distance(&self.points[a], &self.points[b]) <= radius * radius {
+                visit(a, b);
             }
         };
         for cell in 0..self.cells() {
@@ -211,18 +212,13 @@ fn clusters<const D: usize>(
         // Cells at most MAX_REACH apart hold particles less than MAX_REACH + 1 sides apart.
         if x - before > f64::from(MAX_REACH + 1) * side {
             let first_number = clusters.last().map_or(0, |cluster| number_in(cluster, before, side)) + MARGIN;
-            let wall = origin.map_or(x, |origin| wall_below(x, origin, side));
-            clusters.push(Cluster { from: x, origin: wall, first_cell: 0.0, first_number });
+            let walls_are_resolved = origin.is_some() && cells(x).abs() < RESOLVED;
+            let (origin, first_cell) = if walls_are_resolved { (counted_from, cells(x)) } else { (x, 0.0) };
+            clusters.push(Cluster { from: x, origin, first_cell, first_number });
         }
         before = x;
     }
     clusters
-}
-
-/// The wall `origin + k side` at or below `x`, or `x` itself where f64 no longer resolves the walls.
-fn wall_below(x: f64, origin: f64, side: f64) -> f64 {
-    let wall = origin + ((x - origin) / side).floor() * side;
-    if wall <= x && x - wall <= side { wall } else { x }
 }
 
 fn number_in(cluster: &Cluster, x: f64, side: f64) -> u32 {

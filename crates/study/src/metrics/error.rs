@@ -86,7 +86,7 @@ pub fn check_positions<const D: usize>(positions: &[Vector<f64, D>]) -> Result<(
     }
     for (index, position) in positions.iter().enumerate() {
         for (axis, &value) in position.iter().enumerate() {
-            if !(value.abs() <= LENGTH_RANGE[1]) {
+            if value.is_nan() || value.abs() > LENGTH_RANGE[1] {
                 return Err(MetricError::Position { index, axis, value });
             }
         }

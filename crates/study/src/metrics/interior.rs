@@ -7,16 +7,17 @@ use snowlab_solver::geometry::Vector;
 /// Radius of the balls that roll round the body, in depths. Chosen: random placement leaves a ball of this radius empty
 /// inside a body with a chance of e^-9 at PPC 1.3 (2D, depth 2h), and a ball still enters voids 2 depths wide.
 const PROBE_RADIUS: f64 = 0.75;
-/// Raster points per depth at which such balls are tried. Chosen: every void of radius 1.2 depths is found.
-const PROBES_PER_DEPTH: f64 = 2.0;
+/// Raster points per depth at which such balls are tried. Chosen: every void of radius 1.1 depths is then found (half the
+/// raster's diagonal more than the ball).
+const PROBES_PER_DEPTH: f64 = 3.0;
 
 /// Marks the particles farther than `depth` [m] from the edge of their body.
 ///
 /// The body is what balls of radius 0.75 `depth` that hold no particle cannot reach (the closing of the particles by
 /// that ball; an alpha shape, Edelsbrunner & Muecke, ACM TOG 13(1), 1994). Centres of such balls are tried on a raster of
-/// spacing `depth`/2, and a particle is marked where no empty ball is centred within depth + radius + half the raster's
-/// diagonal: the last term makes up for the centres between raster points, so that a marked particle is never too near
-/// the edge, only some that are deep enough are left out.
+/// spacing `depth`/3, and a particle is marked where no empty ball is centred within depth + radius + the raster's
+/// diagonal. The last term makes up for the centres between raster points: half of it to lie inside the void, half to reach
+/// a raster point. So a marked particle is never too near the edge, and only some that are deep enough are left out.
 ///
 /// # Errors
 /// Positions or a depth that are not finite; a depth that is not positive.
@@ -25,7 +26,7 @@ pub fn interior<const D: usize>(positions: &[Vector<f64, D>], depth: f64) -> Res
     check_parameter("depth of the interior [m]", depth, LENGTH_RANGE)?;
     let spacing = depth / PROBES_PER_DEPTH;
     let radius = PROBE_RADIUS * depth;
-    let clearance = depth + radius + 0.5 * spacing * (D as f64).sqrt();
+    let clearance = depth + radius + spacing * (D as f64).sqrt();
     let empty = empty_probes(positions, probes(positions, spacing, clearance), radius);
 
     let mut inside = vec![true; positions.len()];
