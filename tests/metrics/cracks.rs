@@ -20,8 +20,9 @@ fn cut_at<const D: usize>(points: &[Vector<f64, D>], height: f64) -> Vec<Vector<
     points.iter().map(lift).collect()
 }
 
-/// The measured over the true measure of the crack, averaged over cuts at several heights and angles. The truth is less by
-/// what the missing bonds at a free surface take: 3/16 of a bond at each end, 8/(15 pi) of one along the rim in 3D.
+/// The measured over the true measure of the crack, averaged over cuts at several heights and angles. The
+/// truth is less by what the missing bonds at a free surface take: 3/16 of a bond at each end, 8/(15 pi) of
+/// one along the rim in 3D.
 fn mean_ratio<const D: usize>(points: &[Vector<f64, D>], spacing: f64, angles: &[f64]) -> f64 {
     let heights = [-0.1, -0.03, 0.04, 0.11];
     let masses = vec![1.0; points.len()];
@@ -46,7 +47,8 @@ fn mean_ratio<const D: usize>(points: &[Vector<f64, D>], spacing: f64, angles: &
 
 #[test]
 fn the_length_of_straight_cuts_is_free_of_ppc() {
-    // One cut of a random disc scatters by 5 % at 30k (it counts pairs in a strip of 2,000 particles), 8 % at 5k.
+    // One cut of a random disc scatters by 5 % at 30k (it counts pairs in a strip of 2,000 particles), 8 % at
+    // 5k.
     let angles: Vec<f64> = (0..4).map(|k| 0.7 * f64::from(k)).collect();
     for (count, tolerance) in [(5_000, 0.05), (30_000, 0.03)] {
         let ratios: Vec<f64> =
@@ -54,7 +56,8 @@ fn the_length_of_straight_cuts_is_free_of_ppc() {
         let mean = ratios.iter().sum::<f64>() / 3.0;
         assert!((mean - 1.0).abs() < tolerance, "{count} random particles: {ratios:?}");
     }
-    // A lattice reads 3 % long: 96 sites lie within a bond where the area says 99, and the density enters squared.
+    // A lattice reads 3 % long: 96 sites lie within a bond where the area says 99, and the density enters
+    // squared.
     let pitch = SPACING / 7.9_f64.sqrt();
     let regular = lattice::<2>(pitch, 1.1 * RADIUS, |point| point.norm() <= RADIUS);
     let ratio = mean_ratio(&regular, SPACING, &[27_f64.to_radians(), 0.9, 1.3]);
@@ -99,8 +102,8 @@ fn the_number_density_is_that_of_the_interior() {
     }
 }
 
-/// No marked particle is nearer to the edge of a disc with a void than the depth, and nearly all that are deep by a wide
-/// margin are marked.
+/// No marked particle is nearer to the edge of a disc with a void than the depth, and nearly all that are
+/// deep by a wide margin are marked.
 #[test]
 fn the_interior_keeps_clear_of_the_rim_and_of_voids() {
     let depth = 2.0 * SPACING;

@@ -10,9 +10,9 @@ use snowlab_study::metrics::{
     least_random_particles_per_cell, stretch_curve, stretches_agree,
 };
 
-/// The mean degree at which a Poisson sheet or cloud percolates: 4.512 (discs: Mertens & Moore, Phys. Rev. E 86, 2012)
-/// and 2.736 (balls: Torquato & Jiao, J. Chem. Phys. 137, 2012).
-const CRITICAL_DEGREE: [f64; 2] = [4.512, 2.736];
+/// The mean degree at which a Poisson sheet or cloud percolates: 4.512 (discs: Mertens & Moore, Phys. Rev. E
+/// 86, 2012) and 2.735 (balls: Torquato & Jiao, J. Chem. Phys. 137, 2012).
+const CRITICAL_DEGREE: [f64; 2] = [4.512, 2.735];
 
 fn equal_masses<const D: usize>(
     points: &[snowlab_solver::geometry::Vector<f64, D>],
@@ -21,8 +21,8 @@ fn equal_masses<const D: usize>(
     friends_of_friends(points, &vec![1.0; points.len()], link).unwrap()
 }
 
-/// The mean component size but for the largest peaks at the threshold, and the largest component grows from a few percent
-/// to most of the mass across it.
+/// The mean component size but for the largest peaks at the threshold, and the largest component grows from a
+/// few percent to most of the mass across it.
 fn the_giant_component_appears_at_the_critical_degree<const D: usize>() {
     let critical = CRITICAL_DEGREE[D - 2];
     let count = 40_000;
@@ -67,8 +67,8 @@ fn a_link_of_h_fabricates_the_first_claim_and_a_link_of_2h_does_not() {
     }
 }
 
-/// At link 2h the degree under a stretch J is 4 pi PPC/J in 2D and (32/3) pi PPC/J in 3D: a random sheet falls apart at J =
-/// 2.79 PPC, a cloud at 12.2 PPC, whether it is stretched along one axis or all.
+/// At link 2h the degree under a stretch J is 4 pi PPC/J in 2D and (32/3) pi PPC/J in 3D: a random sheet
+/// falls apart at J = 2.79 PPC, a cloud at 12.2 PPC, whether it is stretched along one axis or all.
 fn an_uncracked_placement_falls_apart_under_stretch<const D: usize>(ppc: f64, count: usize) {
     let degree = if D == 2 { 4.0 * PI } else { 32.0 / 3.0 * PI } * ppc;
     let falls_apart = degree / CRITICAL_DEGREE[D - 2];
@@ -131,8 +131,9 @@ fn arms_agree_within_fifteen_percent() {
     assert!(!stretches_agree(&[Some(19.9), None]));
 }
 
-/// The particles without a neighbour, farther than a link from the sides, are as many as the condition supposes: N e^-degree,
-/// the square root of N/100 at half the PPC of the condition and one in a hundred sheets at the condition itself.
+/// The particles without a neighbour, farther than a link from the sides, are as many as the condition
+/// supposes: N e^-degree, the square root of N/100 at half the PPC of the condition and one in a hundred
+/// sheets at the condition itself.
 fn loners_are_as_rare_as_the_condition_says<const D: usize>() {
     let (count, sheets) = (5_000, 60);
     let least = least_random_particles_per_cell::<D>(count);

@@ -87,7 +87,8 @@ fn bonds_stay_cut_where_pieces_touch_again_but_friends_join() {
     let split = half(1.0).len();
     let masses = vec![1.0; reference.len()];
     let bonds = BondGraph::new(&reference, 1.0).unwrap();
-    // The halves slide past each other by 9 h: they still touch, but no old bond is shorter than 3 h except elsewhere.
+    // The halves slide past each other by 9 h: they still touch, but no old bond is shorter than 3 h except
+    // elsewhere.
     let slid: Vec<Point> = (0..reference.len())
         .map(|i| reference[i] + if i < split { Point::new(0.0, 9.0) } else { Point::zeros() })
         .collect();

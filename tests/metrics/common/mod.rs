@@ -94,8 +94,9 @@ pub fn shifted<const D: usize>(points: &[Vector<f64, D>], shift: f64) -> Vec<Vec
 /// Debris so far away that f64 resolves no cells of a raster with a fixed origin there.
 pub const BEYOND_THE_RASTER: &str = "debris beyond the raster";
 
-/// The table of placements every variant of every metric is run through: name, points and a length of the order of their
-/// spacing. Clouds, coincident points, points on cell walls, clumps, a line, debris at any distance, none and one.
+/// The table of placements every variant of every metric is run through: name, points and a length of the
+/// order of their spacing. Clouds, coincident points, points on cell walls, clumps, a line, debris at any
+/// distance, none and one.
 pub fn placements<const D: usize>() -> Vec<(&'static str, Vec<Vector<f64, D>>, f64)> {
     let mut far = sheet::<D>(120, 1.0, 11);
     let at = |k: usize, x: f64| Vector::from_fn(|axis, _| if axis == k % D { x } else { 0.5 });

@@ -10,17 +10,19 @@ use std::f64::consts::PI;
 
 /// Bond length over grid spacing: material that a cubic kernel's half width (2h) joins is bonded.
 const BOND_REACH: f64 = 2.0;
-/// Distance over grid spacing beyond which a bond is cut. Chosen: half a bond more than at rest at most, so that elastic
-/// strain (a few percent) never cuts, while a gap that the kernel no longer spans does.
+/// Distance over grid spacing beyond which a bond is cut. Chosen: half a bond more than at rest at most, so
+/// that elastic strain (a few percent) never cuts, while a gap that the kernel no longer spans does.
 const CUT_REACH: f64 = 3.0;
 
-/// The bonds of particles at rest: all pairs within 2h. Needs 4 bytes a bond: 12.6 PPC bonds a particle times a half in
-/// 2D, 33.5 PPC times a half in 3D.
+/// The bonds of particles at rest: all pairs within 2h. Needs 4 bytes a bond: 12.6 PPC bonds a particle times
+/// a half in 2D, 33.5 PPC times a half in 3D.
 #[derive(Clone, Debug)]
 pub struct BondGraph<const D: usize> {
-    /// The particles, neighbours near each other: bonds are kept and walked in this order, which the memory likes.
+    /// The particles, neighbours near each other: bonds are kept and walked in this order, which the memory
+    /// likes.
     order: Vec<u32>,
-    /// The bonds of the particle in place k are `partners[starts[k]..starts[k + 1]]`, places again, each bond once.
+    /// The bonds of the particle in place k are `partners[starts[k]..starts[k + 1]]`, places again, each bond
+    /// once.
     starts: Vec<usize>,
     partners: Vec<u32>,
     spacing: f64,
@@ -48,7 +50,8 @@ pub struct BondAnalysis {
 }
 
 impl<const D: usize> BondGraph<D> {
-    /// Bonds all pairs of `reference` positions [m] (at t = 0) within 2h, where `spacing` is the grid spacing h [m].
+    /// Bonds all pairs of `reference` positions [m] (at t = 0) within 2h, where `spacing` is the grid spacing
+    /// h [m].
     ///
     /// # Errors
     /// Positions or a spacing that are not finite; a spacing that is not positive.
@@ -94,33 +97,36 @@ impl<const D: usize> BondGraph<D> {
         BOND_REACH * self.spacing
     }
 
-    /// The mean degree of the interior at t = 0: particles farther than l from the body's edge, by [`interior`].
+    /// The mean degree of the interior at t = 0: particles farther than l from the body's edge, by
+    /// [`interior`].
     pub fn interior_degree(&self) -> InteriorDegree {
         self.interior
     }
 
-    /// n, particles per m^D at t = 0: the interior's mean degree over the volume of a ball of radius l (pi l^2 in 2D,
-    /// 4/3 pi l^3 in 3D). `None` without an interior.
+    /// n, particles per m^D at t = 0: the interior's mean degree over the volume of a ball of radius l (pi
+    /// l^2 in 2D, 4/3 pi l^3 in 3D). `None` without an interior.
     pub fn number_density(&self) -> Option<f64> {
         let l = self.bond_length();
         let ball = if D == 2 { PI * l * l } else { 4.0 / 3.0 * PI * l * l * l };
         self.interior.mean_degree.map(|degree| degree / ball)
     }
 
-    /// The crack that cuts so many bonds: its length [m] in 2D, its area [m^2] in 3D; `None` without an interior.
+    /// The crack that cuts so many bonds: its length [m] in 2D, its area [m^2] in 3D; `None` without an
+    /// interior.
     ///
-    /// The pairs within l that a straight cut separates number n^2 int_{|r| < l, r_y > 0} r_y dr per unit of cut: (2/3) n^2
-    /// l^3 in 2D, (pi/4) n^2 l^4 in 3D, for particles placed independently. Where a cut comes out at a free surface the
-    /// bonds to the outside are missing, and it reads short by half the mean reach along the cut: by (3/16) l at each
-    /// end in 2D, 8 l/(15 pi) all along the rim in 3D (int r_y |r_x| dr over twice int r_y dr).
+    /// The pairs within l that a straight cut separates number n^2 int_{|r| < l, r_y > 0} r_y dr per unit of
+    /// cut: (2/3) n^2 l^3 in 2D, (pi/4) n^2 l^4 in 3D, for particles placed independently. Where a cut comes
+    /// out at a free surface the bonds to the outside are missing, and it reads short by half the mean reach
+    /// along the cut: by (3/16) l at each end in 2D, 8 l/(15 pi) all along the rim in 3D (int r_y |r_x| dr
+    /// over twice int r_y dr).
     pub fn crack_measure(&self, cut_bonds: usize) -> Option<f64> {
         let l = self.bond_length();
         let moment = if D == 2 { 2.0 / 3.0 * l.powi(3) } else { PI / 4.0 * l.powi(4) };
         self.number_density().map(|n| cut_bonds as f64 / (n * n * moment))
     }
 
-    /// Which bonds hold at `positions` [m], given in the order of the reference positions: those of length at most 3h.
-    /// `masses` [kg], one per particle.
+    /// Which bonds hold at `positions` [m], given in the order of the reference positions: those of length at
+    /// most 3h. `masses` [kg], one per particle.
     ///
     /// # Errors
     /// Positions or masses that are not finite, or not one for each particle of the reference.

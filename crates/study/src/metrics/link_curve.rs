@@ -1,8 +1,10 @@
-//! The number of components at every link of a range, exactly, from the edges of the Euclidean minimum spanning tree.
+//! The number of components at every link of a range, exactly, from the edges of the Euclidean minimum
+//! spanning tree.
 //!
-//! Friends-of-friends at a link has the components of the minimum spanning tree's edges up to that length (single linkage:
-//! Gower & Ross, Applied Statistics 18, 1969). Those edges are found by Kruskal's rule in shells of growing length, where
-//! pairs of cells that already lie wholly in one component are skipped, so few distances are ever sorted.
+//! Friends-of-friends at a link has the components of the minimum spanning tree's edges up to that length
+//! (single linkage: Gower & Ross, Applied Statistics 18, 1969). Those edges are found by Kruskal's rule in
+//! shells of growing length, where pairs of cells that already lie wholly in one component are skipped, so
+//! few distances are ever sorted.
 
 use super::cell_list::{CellList, side_over, squared_distance};
 use super::error::{LENGTH_RANGE, MetricError, check_masses, check_parameter, check_positions};
@@ -50,12 +52,12 @@ struct Edge {
 }
 
 impl LinkCurve {
-    /// The curve of `positions` [m] with `masses` [kg] over all links in `[shortest, longest]` [m]. The study's range is
-    /// 0.5 h to 4 h.
+    /// The curve of `positions` [m] with `masses` [kg] over all links in `[shortest, longest]` [m]. The
+    /// study's range is 0.5 h to 4 h.
     ///
     /// # Errors
-    /// Positions, masses or links that are not finite; a shortest link that is not positive or above the longest; lengths
-    /// that differ.
+    /// Positions, masses or links that are not finite; a shortest link that is not positive or above the
+    /// longest; lengths that differ.
     pub fn new<const D: usize>(
         positions: &[Vector<f64, D>],
         masses: &[f64],
@@ -102,8 +104,8 @@ impl LinkCurve {
         Ok(if merged == 0 { self.start } else { self.merges[merged - 1].state })
     }
 
-    /// The curve as steps: the shortest link, then each link [m] at which components unite, with the state from there on.
-    /// The links are distances rounded to f64.
+    /// The curve as steps: the shortest link, then each link [m] at which components unite, with the state
+    /// from there on. The links are distances rounded to f64.
     pub fn steps(&self) -> impl Iterator<Item = (f64, LinkState)> + '_ {
         let last_of_its_link = |i: &usize| {
             self.merges.get(i + 1).is_none_or(|next| next.squared_link > self.merges[*i].squared_link)
@@ -113,8 +115,8 @@ impl LinkCurve {
             .chain(merges.map(|merge| (merge.squared_link.sqrt(), merge.state)))
     }
 
-    /// The longest stretch of links over which the number of components does not change, as a ratio of its ends:
-    /// `(from, to, components)` [m]. Of equal ones the first.
+    /// The longest stretch of links over which the number of components does not change, as a ratio of its
+    /// ends: `(from, to, components)` [m]. Of equal ones the first.
     pub fn plateau(&self) -> (f64, f64, usize) {
         let mut ends: Vec<(f64, usize)> =
             self.steps().map(|(link, state)| (link, state.components)).collect();
@@ -129,8 +131,8 @@ impl LinkCurve {
         (longest[0].0, longest[1].0, longest[0].1)
     }
 
-    /// The mean of A over `count` log-spaced links from `shortest` to `longest` [m], ends included: the study's secondary
-    /// endpoint has nine in [2, 4] h_max.
+    /// The mean of A over `count` log-spaced links from `shortest` to `longest` [m], ends included: the
+    /// study's secondary endpoint has nine in [2, 4] h_max.
     ///
     /// # Errors
     /// Fewer than 2 links, or links outside the range.
@@ -191,8 +193,8 @@ impl Sweep {
     }
 }
 
-/// The edges longer than `inner` and at most `outer` [m] between different components, in ascending order. The sets hold
-/// the components at `inner`.
+/// The edges longer than `inner` and at most `outer` [m] between different components, in ascending order.
+/// The sets hold the components at `inner`.
 fn shell_edges<const D: usize>(
     positions: &[Vector<f64, D>],
     sets: &mut UnionFind,
