@@ -13,7 +13,8 @@ pub const AGREEMENT: f64 = 0.15;
 /// Relative width to which the stretch is found. Chosen: far below [`AGREEMENT`].
 const RESOLUTION: f64 = 1e-3;
 
-/// `positions` [m] stretched along `axis` by `stretch`, about the coordinate 0; components are unchanged by shifts.
+/// `positions` [m] stretched along `axis` by `stretch`, about the coordinate 0; components are unchanged by
+/// shifts.
 pub fn stretched<const D: usize>(
     positions: &[Vector<f64, D>],
     axis: usize,
@@ -27,8 +28,8 @@ pub fn stretched<const D: usize>(
 /// M_1/M of the placement under each of `stretches`, for the calibration figure: `(stretch, share)`.
 ///
 /// # Errors
-/// Positions, masses or a link that are not finite; a link that is not positive; lengths that differ; an axis that does
-/// not exist; a stretch below 1 or above 20.
+/// Positions, masses or a link that are not finite; a link that is not positive; lengths that differ; an axis
+/// that does not exist; a stretch below 1 or above 20.
 pub fn stretch_curve<const D: usize>(
     positions: &[Vector<f64, D>],
     masses: &[f64],
@@ -45,9 +46,9 @@ pub fn stretch_curve<const D: usize>(
     stretches.iter().map(share).collect()
 }
 
-/// The least uniaxial stretch along `axis`, from 1 to 20 and to within 0.1 %, at which M_1/M < 0.9 at linking length `link`
-/// [m]; `None` where the placement still holds at 20. Stretching only lengthens distances, so M_1/M never rises and
-/// bisection finds it.
+/// The least uniaxial stretch along `axis`, from 1 to 20 and to within 0.1 %, at which M_1/M < 0.9 at linking
+/// length `link` [m]; `None` where the placement still holds at 20. Stretching only lengthens distances, so
+/// M_1/M never rises and bisection finds it.
 ///
 /// # Errors
 /// As [`stretch_curve`].
@@ -76,9 +77,9 @@ pub fn breaking_stretch<const D: usize>(
     Ok(Some(torn))
 }
 
-/// Whether the breaking stretches of the arms of a claim agree: the greatest at most 15 % above the least. Arms that all
-/// hold at 20 agree; an arm that holds and one that does not disagree. If they disagree, the flood fill becomes the claim's
-/// primary metric.
+/// Whether the breaking stretches of the arms of a claim agree: the greatest at most 15 % above the least.
+/// Arms that all hold at 20 agree; an arm that holds and one that does not disagree. If they disagree, the
+/// flood fill becomes the claim's primary metric.
 pub fn stretches_agree(breaking: &[Option<f64>]) -> bool {
     let known: Vec<f64> = breaking.iter().copied().flatten().collect();
     if known.is_empty() {

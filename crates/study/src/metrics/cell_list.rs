@@ -1,8 +1,9 @@
 //! Particles sorted into square cells, for fixed-radius searches (Allen & Tildesley, "Computer Simulation of
 //! Liquids", section 5.3), without a dense array of cells and without a hash map.
 //!
-//! Occupied cells alone are stored, in lexicographic order. The neighbours of a cell at a given offset then come in
-//! the same order as the cells themselves, so one pass with a moving pointer per row of neighbours finds them all.
+//! Occupied cells alone are stored, in lexicographic order. The neighbours of a cell at a given offset then
+//! come in the same order as the cells themselves, so one pass with a moving pointer per row of neighbours
+//! finds them all.
 
 use super::union_find::UnionFind;
 use snowlab_solver::geometry::Vector;
@@ -11,9 +12,12 @@ use snowlab_solver::geometry::Vector;
 pub const MAX_REACH: u32 = 3;
 /// Empty cell numbers left round every cluster, so that offsets up to [`MAX_REACH`] never wrap or meet.
 const MARGIN: u32 = 8;
-/// An axis longer than this many cells is numbered cluster by cluster. Chosen: far below the 2^53 cells at which f64
-/// stops telling cells apart, and inside 32 bits.
+/// An axis longer than this many cells is numbered cluster by cluster. Chosen: far below the 2^53 cells at
+/// which f64 blurs the walls, and inside 32 bits.
 const LONG_AXIS: f64 = (1u64 << 30) as f64;
+/// Farther than this many cells from the origin f64 tells neighbouring cells apart no longer, and walls are
+/// placed by the particles there.
+const RESOLVED: f64 = (1u64 << 52) as f64;
 /// Bits of a key per axis, and of the particle's index below them.
 const FIELD: u32 = 32;
 
@@ -40,11 +44,12 @@ struct Cluster {
 }
 
 impl<const D: usize> CellList<D> {
-    /// Sorts `positions` [m] into cells of side `side` [m]. Both must have passed the checks of [`super::error`]. With
-    /// an `origin` [m] the cell walls lie at `origin + k side`; without one each cluster starts at its least coordinate.
+    /// Sorts `positions` [m] into cells of side `side` [m]. Both must have passed the checks of
+    /// [`super::error`]. With an `origin` [m] the cell walls lie at `origin + k side`; without one each
+    /// cluster starts at its least coordinate.
     ///
-    /// Cells that touch have numbers that differ by one. Clusters that lie farther apart than any search reaches are
-    /// numbered as if the gap were a few cells wide, so debris at any distance costs nothing.
+    /// Cells that touch have numbers that differ by one. Clusters that lie farther apart than any search
+    /// reaches are numbered as if the gap were a few cells wide, so debris at any distance costs nothing.
     pub fn new(positions: &[Vector<f64, D>], side: f64, origin: Option<Vector<f64, D>>) -> Self {
         let axes: [Vec<Cluster>; D] =
             std::array::from_fn(|axis| clusters(positions, axis, side, origin.map(|origin| origin[axis])));
@@ -95,13 +100,14 @@ impl<const D: usize> CellList<D> {
         &self.points
     }
 
-    /// The number of a cell on each axis; only differences between cells within reach of each other have a meaning.
+    /// The number of a cell on each axis; only differences between cells within reach of each other have a
+    /// meaning.
     pub fn coordinates(&self, cell: usize) -> [i64; D] {
         std::array::from_fn(|axis| (self.keys[cell] >> (FIELD * (D - 1 - axis) as u32)) as u32 as i64)
     }
 
-    /// Calls `visit(a, b)` once for every unordered pair of different occupied cells whose numbers differ by at most
-    /// `reach` (1 to [`MAX_REACH`]) on every axis; near rows first.
+    /// Calls `visit(a, b)` once for every unordered pair of different occupied cells whose numbers differ by
+    /// at most `reach` (1 to [`MAX_REACH`]) on every axis; near rows first.
     pub fn for_each_cell_pair(&self, reach: u32, mut visit: impl FnMut(usize, usize)) {
         debug_assert!((1..=MAX_REACH).contains(&reach));
         for row in half_rows::<D>(i128::from(reach)) {
@@ -122,14 +128,12 @@ impl<const D: usize> CellList<D> {
         }
     }
 
-    /// Calls `visit(i, j, d2)` once for every unordered pair of particles with squared distance d2 [m^2] at most
-    /// `radius` squared. The cells must have been made with [`side_over`]`(radius)`.
-    pub fn for_each_pair_within(&self, radius: f64, mut visit: impl FnMut(u32, u32, f64)) {
-        let greatest = radius * radius;
+    /// Calls `visit(a, b)` once for every unordered pair of slots whose points are at most `radius` [m]
+    /// apart. The cells must have been made with [`side_over`]`(radius)`.
+    pub fn for_each_pair_within(&self, radius: f64, mut visit: impl FnMut(usize, usize)) {
         let mut test = |a: usize, b: usize| {
-            let squared = squared_distance(&self.points[a], &self.points[b]);
-            if squared <= greatest {
-                visit(self.order[a], self.order[b], squared);
+            if squared_distance(&self.points[a], &self.points[b]) <= radius * radius {
+                visit(a, b);
             }
         };
         for cell in 0..self.cells() {
@@ -159,28 +163,32 @@ impl<const D: usize> CellList<D> {
     }
 }
 
-/// Twice the rounding error of a cell coordinate, relative to the cell, and then some: inside a cluster coordinates stay
-/// below 2^34 cells, so f64 places a wall within 2^-18 of a cell.
+/// Twice the rounding error of a cell coordinate, relative to the cell, and then some: inside a cluster
+/// coordinates stay below 2^34 cells, so f64 places a wall within 2^-18 of a cell.
 const ROUNDING: f64 = 1.0 / 65536.0;
 
-/// The cell side [m] for which particles within `radius` [m] always lie in the same cell or in cells that touch.
+/// The cell side [m] for which particles within `radius` [m] always lie in the same cell or in cells that
+/// touch.
 pub fn side_over(radius: f64) -> f64 {
     radius * (1.0 + ROUNDING)
 }
 
-/// The cell side [m] for which all particles of one cell lie within `radius` [m] of each other, and particles within
-/// `radius` at most 2 cells apart per axis: `radius` over the root of D, the side of the cube with that diagonal.
+/// The cell side [m] for which all particles of one cell lie within `radius` [m] of each other, and particles
+/// within `radius` at most 2 cells apart per axis: `radius` over the root of D, the side of the cube with
+/// that diagonal.
 pub fn side_of_clique<const D: usize>(radius: f64) -> f64 {
     radius / (D as f64).sqrt() * (1.0 - ROUNDING)
 }
 
-/// The squared distance of two points [m^2]. Every metric compares this value, so that they agree to the last bit.
+/// The squared distance of two points [m^2]. Every metric compares this value, so that they agree to the last
+/// bit.
 #[inline]
 pub fn squared_distance<const D: usize>(a: &Vector<f64, D>, b: &Vector<f64, D>) -> f64 {
     (0..D).map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis])).sum()
 }
 
-/// The clusters of one axis, ascending; one cluster for all where the axis is not too long to number directly.
+/// The clusters of one axis, ascending; one cluster for all where the axis is not too long to number
+/// directly.
 fn clusters<const D: usize>(
     positions: &[Vector<f64, D>],
     axis: usize,
@@ -211,18 +219,13 @@ fn clusters<const D: usize>(
         // Cells at most MAX_REACH apart hold particles less than MAX_REACH + 1 sides apart.
         if x - before > f64::from(MAX_REACH + 1) * side {
             let first_number = clusters.last().map_or(0, |cluster| number_in(cluster, before, side)) + MARGIN;
-            let wall = origin.map_or(x, |origin| wall_below(x, origin, side));
-            clusters.push(Cluster { from: x, origin: wall, first_cell: 0.0, first_number });
+            let walls_are_resolved = origin.is_some() && cells(x).abs() < RESOLVED;
+            let (origin, first_cell) = if walls_are_resolved { (counted_from, cells(x)) } else { (x, 0.0) };
+            clusters.push(Cluster { from: x, origin, first_cell, first_number });
         }
         before = x;
     }
     clusters
-}
-
-/// The wall `origin + k side` at or below `x`, or `x` itself where f64 no longer resolves the walls.
-fn wall_below(x: f64, origin: f64, side: f64) -> f64 {
-    let wall = origin + ((x - origin) / side).floor() * side;
-    if wall <= x && x - wall <= side { wall } else { x }
 }
 
 fn number_in(cluster: &Cluster, x: f64, side: f64) -> u32 {
@@ -234,8 +237,9 @@ fn cell_number(clusters: &[Cluster], x: f64, side: f64) -> u32 {
     number_in(&clusters[after - 1], x, side)
 }
 
-/// The key offsets of the rows of cells (along the last axis) that lie ahead of a cell within `reach`, its own row (0)
-/// first, then by distance: with the row's own cells ahead they visit every unordered pair of cells once.
+/// The key offsets of the rows of cells (along the last axis) that lie ahead of a cell within `reach`, its
+/// own row (0) first, then by distance: with the row's own cells ahead they visit every unordered pair of
+/// cells once.
 fn half_rows<const D: usize>(reach: i128) -> Vec<i128> {
     let mut rows: Vec<(i128, [i128; 2])> = Vec::new();
     for first in if D == 3 { -reach..=reach } else { 0..=0 } {

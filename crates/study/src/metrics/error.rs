@@ -2,12 +2,12 @@
 
 use snowlab_solver::geometry::Vector;
 
-/// Lengths the metrics accept, and the greatest size of a coordinate [m]. Chosen: their squares neither vanish nor
-/// overflow in f64.
+/// Lengths the metrics accept, and the greatest size of a coordinate [m]. Chosen: their squares neither
+/// vanish nor overflow in f64.
 pub const LENGTH_RANGE: [f64; 2] = [1e-100, 1e100];
 
-/// The most particles one analysis takes. Chosen: cell numbers then fit 32 bits whatever the positions are (at most
-/// 12 new cell numbers per particle and axis, see [`super::cell_list`]).
+/// The most particles one analysis takes. Chosen: cell numbers then fit 32 bits whatever the positions are
+/// (at most 12 new cell numbers per particle and axis, see [`super::cell_list`]).
 pub const MAX_PARTICLES: usize = 1 << 27;
 
 /// A measurement that cannot be made of the input given.
@@ -15,8 +15,8 @@ pub const MAX_PARTICLES: usize = 1 << 27;
 pub enum MetricError {
     /// A coordinate is NaN, infinite or beyond 1e100 m.
     #[error(
-        "metrics: position of particle {index} on axis {axis} is {value}; it must be finite and at most 1e100 m from 0: \
-         measure a frame from before the case diverged"
+        "metrics: position of particle {index} on axis {axis} is {value}; it must be finite and at most \
+         1e100 m from 0: measure a frame from before the case diverged"
     )]
     Position {
         /// The particle, as an index into the positions.
@@ -78,15 +78,15 @@ pub enum MetricError {
     },
 }
 
-/// Refuses positions [m] that are not finite or beyond the greatest of [`LENGTH_RANGE`], naming the first particle and axis, and more of them than
-/// [`MAX_PARTICLES`].
+/// Refuses positions [m] that are not finite or beyond the greatest of [`LENGTH_RANGE`], naming the first
+/// particle and axis, and more of them than [`MAX_PARTICLES`].
 pub fn check_positions<const D: usize>(positions: &[Vector<f64, D>]) -> Result<(), MetricError> {
     if positions.len() > MAX_PARTICLES {
         return Err(MetricError::TooMany { count: positions.len(), greatest: MAX_PARTICLES });
     }
     for (index, position) in positions.iter().enumerate() {
         for (axis, &value) in position.iter().enumerate() {
-            if !(value.abs() <= LENGTH_RANGE[1]) {
+            if value.is_nan() || value.abs() > LENGTH_RANGE[1] {
                 return Err(MetricError::Position { index, axis, value });
             }
         }

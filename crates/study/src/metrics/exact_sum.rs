@@ -1,11 +1,11 @@
 //! Sums of masses that do not depend on the order of the particles.
 
-/// Significant bits kept of the largest mass. Chosen: a mass 2^22 times below the largest is still summed exactly
-/// (53 + 22), and 2^51 of the largest fit the 127 bits of the sum.
+/// Significant bits kept of the largest mass. Chosen: a mass 2^22 times below the largest is still summed
+/// exactly (53 + 22), and 2^51 of the largest fit the 127 bits of the sum.
 const BITS: i32 = 75;
 
-/// Fixed-point numbers whose unit is a power of two set by the largest mass. Integer sums are associative, so a
-/// fragment's mass has the same bits however its particles are ordered.
+/// Fixed-point numbers whose unit is a power of two set by the largest mass. Integer sums are associative, so
+/// a fragment's mass has the same bits however its particles are ordered.
 #[derive(Clone, Copy, Debug)]
 pub struct FixedPoint {
     exponent: i32,

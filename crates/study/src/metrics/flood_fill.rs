@@ -21,12 +21,13 @@ pub struct FloodRaster<const D: usize> {
     pub rest_density: f64,
 }
 
-/// The fragments of `positions` [m] with `masses` [kg]: the particles of raster cells with density above 0.25 rho0 that are
-/// joined through sides (4 neighbours in 2D, 6 in 3D). A particle in a thinner cell belongs to no such fragment: each one is
-/// a component of its own (dust).
+/// The fragments of `positions` [m] with `masses` [kg]: the particles of raster cells with density above 0.25
+/// rho0 that are joined through sides (4 neighbours in 2D, 6 in 3D). A particle in a thinner cell belongs to
+/// no such fragment: each one is a component of its own (dust).
 ///
 /// # Errors
-/// Positions, masses or raster that are not finite; a side or rest density that is not positive; lengths that differ.
+/// Positions, masses or raster that are not finite; a side or rest density that is not positive; lengths that
+/// differ.
 pub fn flood_fill<const D: usize>(
     positions: &[Vector<f64, D>],
     masses: &[f64],

@@ -5,8 +5,9 @@ use super::exact_sum::FixedPoint;
 
 /// The connected components of a set of particles, heaviest first.
 ///
-/// Component masses are summed exactly ([`FixedPoint`]), and components are ordered by descending mass, ties by their
-/// smallest particle index: apart from which particle carries which label nothing depends on the order of particles.
+/// Component masses are summed exactly ([`FixedPoint`]), and components are ordered by descending mass, ties
+/// by their smallest particle index: apart from which particle carries which label nothing depends on the
+/// order of particles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FragmentAnalysis {
     labels: Vec<u32>,
@@ -16,11 +17,13 @@ pub struct FragmentAnalysis {
 }
 
 impl FragmentAnalysis {
-    /// The fragments of a partition: particles i and j lie in one fragment where `components[i] == components[j]`. The
-    /// names may be any numbers below the number of particles. `masses` [kg], one per particle; the total mass is their sum.
+    /// The fragments of a partition: particles i and j lie in one fragment where `components[i] ==
+    /// components[j]`. The names may be any numbers below the number of particles. `masses` [kg], one per
+    /// particle; the total mass is their sum.
     ///
     /// # Errors
-    /// Masses that do not fit the particles or are not finite and positive; a name that is no particle number.
+    /// Masses that do not fit the particles or are not finite and positive; a name that is no particle
+    /// number.
     pub fn of_partition(components: &[u32], masses: &[f64]) -> Result<Self, MetricError> {
         let particles = components.len();
         check_masses(particles, masses)?;
@@ -63,8 +66,8 @@ impl FragmentAnalysis {
         })
     }
 
-    /// The same fragments, with shares taken of `total_mass` [kg] (the case's own mass M) in place of the mass of the
-    /// particles measured, which is less where some were lost.
+    /// The same fragments, with shares taken of `total_mass` [kg] (the case's own mass M) in place of the
+    /// mass of the particles measured, which is less where some were lost.
     ///
     /// # Errors
     /// A total mass that is not finite and positive.
@@ -123,8 +126,9 @@ impl FragmentAnalysis {
         self.masses.iter().map(|mass| mass / self.total_mass)
     }
 
-    /// N_eff = 1 / sum_k (M_k/M)^2 over all components: the number of equal fragments with the same chance that two
-    /// bits of mass lie in one of them (the inverse Simpson index; Hill, Ecology 54, 1973, order 2). 0 without particles.
+    /// N_eff = 1 / sum_k (M_k/M)^2 over all components: the number of equal fragments with the same chance
+    /// that two bits of mass lie in one of them (the inverse Simpson index; Hill, Ecology 54, 1973, order 2).
+    /// 0 without particles.
     pub fn effective_number(&self) -> f64 {
         if self.masses.is_empty() { 0.0 } else { 1.0 / self.shares().map(|share| share * share).sum::<f64>() }
     }
@@ -139,8 +143,8 @@ impl FragmentAnalysis {
         self.shares().next().unwrap_or(0.0)
     }
 
-    /// The mass-weighted median fragment mass [kg]: the greatest mass m such that fragments of at least m hold at least
-    /// half of the mass measured. `None` without particles.
+    /// The mass-weighted median fragment mass [kg]: the greatest mass m such that fragments of at least m
+    /// hold at least half of the mass measured. `None` without particles.
     pub fn median_fragment_mass(&self) -> Option<f64> {
         let half = 0.5 * FixedPoint::sum(&self.masses);
         let mut held = 0.0;
@@ -150,15 +154,15 @@ impl FragmentAnalysis {
         })
     }
 
-    /// D50 [m]: the diameter of the disc (`D` = 2) or ball (3) of density `density` [kg/m^D] with the mass of the
-    /// mass-weighted median fragment: sqrt(4 m / (pi rho)), cbrt(6 m / (pi rho)).
+    /// D50 [m]: the diameter of the disc (`D` = 2) or ball (3) of density `density` [kg/m^D] with the mass of
+    /// the mass-weighted median fragment: sqrt(4 m / (pi rho)), cbrt(6 m / (pi rho)).
     pub fn median_diameter<const D: usize>(&self, density: f64) -> Option<f64> {
         self.median_fragment_mass().map(|mass| equivalent_diameter::<D>(mass, density))
     }
 }
 
-/// The diameter [m] of the disc (`D` = 2) or ball (3) of mass `mass` [kg, in 2D per metre of depth] and density
-/// `density` [kg/m^3].
+/// The diameter [m] of the disc (`D` = 2) or ball (3) of mass `mass` [kg, in 2D per metre of depth] and
+/// density `density` [kg/m^3].
 pub fn equivalent_diameter<const D: usize>(mass: f64, density: f64) -> f64 {
     let volume = mass / density;
     match D {

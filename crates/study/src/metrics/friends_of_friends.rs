@@ -1,6 +1,6 @@
-//! Friends-of-friends, the primary fragment metric: two particles are friends where their distance is at most the
-//! link, and fragments are the connected components of friendship (Huchra & Geller, ApJ 257, 1982; Davis et al.,
-//! ApJ 292, 1985).
+//! Friends-of-friends, the primary fragment metric: two particles are friends where their distance is at most
+//! the link, and fragments are the connected components of friendship (Huchra & Geller, ApJ 257, 1982; Davis
+//! et al., ApJ 292, 1985).
 
 use super::cell_list::{CellList, side_of_clique, squared_distance};
 use super::error::{LENGTH_RANGE, MetricError, check_masses, check_parameter, check_positions};
@@ -8,11 +8,11 @@ use super::fragments::FragmentAnalysis;
 use super::union_find::UnionFind;
 use snowlab_solver::geometry::Vector;
 
-/// The fragments of `positions` [m] with `masses` [kg], one per particle, at linking length `link` [m]. The study uses
-/// 2 h_max, the same metres in every arm.
+/// The fragments of `positions` [m] with `masses` [kg], one per particle, at linking length `link` [m]. The
+/// study uses 2 h_max, the same metres in every arm.
 ///
-/// All particles of a cell of side link/sqrt(D) are friends, so cells are linked instead of particles, and only pairs
-/// of cells that are not yet in one component are searched for a friendship.
+/// All particles of a cell of side link/sqrt(D) are friends, so cells are linked instead of particles, and
+/// only pairs of cells that are not yet in one component are searched for a friendship.
 ///
 /// # Errors
 /// Positions, masses or a link that are not finite; a link that is not positive; lengths that differ.

@@ -4,19 +4,22 @@ use super::cell_list::{CellList, side_over, squared_distance};
 use super::error::{LENGTH_RANGE, MetricError, check_parameter, check_positions};
 use snowlab_solver::geometry::Vector;
 
-/// Radius of the balls that roll round the body, in depths. Chosen: random placement leaves a ball of this radius empty
-/// inside a body with a chance of e^-9 at PPC 1.3 (2D, depth 2h), and a ball still enters voids 2 depths wide.
+/// Radius of the balls that roll round the body, in depths. Chosen: random placement leaves a ball of this
+/// radius empty inside a body with a chance of e^-9 at PPC 1.3 (2D, depth 2h), and a ball still enters voids
+/// 2 depths wide.
 const PROBE_RADIUS: f64 = 0.75;
-/// Raster points per depth at which such balls are tried. Chosen: every void of radius 1.2 depths is found.
-const PROBES_PER_DEPTH: f64 = 2.0;
+/// Raster points per depth at which such balls are tried. Chosen: every void of radius 1.1 depths is then
+/// found (half the raster's diagonal more than the ball).
+const PROBES_PER_DEPTH: f64 = 3.0;
 
 /// Marks the particles farther than `depth` [m] from the edge of their body.
 ///
-/// The body is what balls of radius 0.75 `depth` that hold no particle cannot reach (the closing of the particles by
-/// that ball; an alpha shape, Edelsbrunner & Muecke, ACM TOG 13(1), 1994). Centres of such balls are tried on a raster of
-/// spacing `depth`/2, and a particle is marked where no empty ball is centred within depth + radius + half the raster's
-/// diagonal: the last term makes up for the centres between raster points, so that a marked particle is never too near
-/// the edge, only some that are deep enough are left out.
+/// The body is what balls of radius 0.75 `depth` that hold no particle cannot reach (the closing of the
+/// particles by that ball; an alpha shape, Edelsbrunner & Muecke, ACM TOG 13(1), 1994). Centres of such balls
+/// are tried on a raster of spacing `depth`/3, and a particle is marked where no empty ball is centred within
+/// depth + radius + the raster's diagonal. The last term makes up for the centres between raster points: half
+/// of it to lie inside the void, half to reach a raster point. So a marked particle is never too near the
+/// edge, and only some that are deep enough are left out.
 ///
 /// # Errors
 /// Positions or a depth that are not finite; a depth that is not positive.
@@ -25,15 +28,20 @@ pub fn interior<const D: usize>(positions: &[Vector<f64, D>], depth: f64) -> Res
     check_parameter("depth of the interior [m]", depth, LENGTH_RANGE)?;
     let spacing = depth / PROBES_PER_DEPTH;
     let radius = PROBE_RADIUS * depth;
-    let clearance = depth + radius + 0.5 * spacing * (D as f64).sqrt();
-    let empty = empty_probes(positions, probes(positions, spacing, clearance), radius);
-
-    let mut inside = vec![true; positions.len()];
-    for_each_meeting(positions, &empty, clearance, |particle, _| inside[particle] = false);
-    Ok(inside)
+    let clearance = depth + radius + spacing * (D as f64).sqrt();
+    let probes = probes(positions, spacing, clearance);
+    let occupied = have_near(&probes, positions, radius);
+    let empty: Vec<_> = probes
+        .into_iter()
+        .zip(occupied)
+        .filter_map(|(probe, occupied)| (!occupied).then_some(probe))
+        .collect();
+    let near_an_edge = have_near(positions, &empty, clearance);
+    Ok(near_an_edge.into_iter().map(|near| !near).collect())
 }
 
-/// The centres of all raster cells of side `spacing` within `clearance` [m] of some particle (and some beyond).
+/// The centres of all raster cells of side `spacing` within `clearance` [m] of some particle (and some
+/// beyond).
 fn probes<const D: usize>(positions: &[Vector<f64, D>], spacing: f64, clearance: f64) -> Vec<Vector<f64, D>> {
     let steps = (clearance / spacing).ceil() as i32;
     let list = CellList::new(positions, spacing, Some(Vector::zeros()));
@@ -61,46 +69,34 @@ fn probes<const D: usize>(positions: &[Vector<f64, D>], spacing: f64, clearance:
     centres.into_iter().map(Vector::from).collect()
 }
 
-/// The probes with no particle within `radius` [m].
-fn empty_probes<const D: usize>(
-    positions: &[Vector<f64, D>],
-    probes: Vec<Vector<f64, D>>,
+/// For each of `targets` whether one of `others` lies within `radius` [m].
+fn have_near<const D: usize>(
+    targets: &[Vector<f64, D>],
+    others: &[Vector<f64, D>],
     radius: f64,
-) -> Vec<Vector<f64, D>> {
-    let mut empty = vec![true; probes.len()];
-    for_each_meeting(positions, &probes, radius, |_, probe| empty[probe] = false);
-    probes.into_iter().zip(empty).filter_map(|(probe, empty)| empty.then_some(probe)).collect()
-}
-
-/// Calls `meet(a, b)` for the points a of `first` and b of `second` within `radius` [m] of each other.
-fn for_each_meeting<const D: usize>(
-    first: &[Vector<f64, D>],
-    second: &[Vector<f64, D>],
-    radius: f64,
-    mut meet: impl FnMut(usize, usize),
-) {
-    let both: Vec<Vector<f64, D>> = first.iter().chain(second).copied().collect();
+) -> Vec<bool> {
+    let both: Vec<Vector<f64, D>> = targets.iter().chain(others).copied().collect();
     let list = CellList::new(&both, side_over(radius), None);
-    // Within a cell slots ascend by index, so the points of `first` come before those of `second`.
-    let split = |cell: usize| {
-        let slots = list.slots(cell);
-        let middle =
-            slots.start + list.order()[slots.clone()].partition_point(|&i| (i as usize) < first.len());
-        (slots.start..middle, middle..slots.end)
-    };
-    let splits: Vec<_> = (0..list.cells()).map(split).collect();
-    let mut between = |a: usize, b: usize| {
-        for i in splits[a].0.clone() {
-            for j in splits[b].1.clone() {
-                if squared_distance(&list.points()[i], &list.points()[j]) <= radius * radius {
-                    meet(list.order()[i] as usize, list.order()[j] as usize - first.len());
-                }
-            }
+    // Within a cell slots ascend by index, so targets come before others.
+    let middles: Vec<usize> = (0..list.cells())
+        .map(|cell| {
+            let order = &list.order()[list.slots(cell)];
+            list.slots(cell).start + order.partition_point(|&index| (index as usize) < targets.len())
+        })
+        .collect();
+    let mut near = vec![false; targets.len()];
+    let mut look = |from: usize, into: usize| {
+        let others = &list.points()[middles[into]..list.slots(into).end];
+        for slot in list.slots(from).start..middles[from] {
+            let near = &mut near[list.order()[slot] as usize];
+            let point = &list.points()[slot];
+            *near = *near || others.iter().any(|other| squared_distance(point, other) <= radius * radius);
         }
     };
-    (0..list.cells()).for_each(|cell| between(cell, cell));
+    (0..list.cells()).for_each(|cell| look(cell, cell));
     list.for_each_cell_pair(1, |a, b| {
-        between(a, b);
-        between(b, a);
+        look(a, b);
+        look(b, a);
     });
+    near
 }

@@ -6,15 +6,17 @@ use super::fragments::FragmentAnalysis;
 use super::union_find::UnionFind;
 use snowlab_solver::geometry::Vector;
 
-/// The fragments of `positions` [m] with `masses` [kg] where particles that share a grid node are joined: a node at
-/// `origin + h k` with |x_p - x_i| < 2h on every axis, the support of the cubic B-spline. `spacing` is h [m].
+/// The fragments of `positions` [m] with `masses` [kg] where particles that share a grid node are joined: a
+/// node at `origin + h k` with |x_p - x_i| < 2h on every axis, the support of the cubic B-spline. `spacing`
+/// is h [m].
 ///
-/// Particles of one grid cell share its corners, and so do particles up to two cells apart per axis. Three cells apart
-/// they share a node unless the lower one lies exactly on a node, whose support then ends one node short. So cells
-/// are joined instead of particles.
+/// Particles of one grid cell share its corners, and so do particles up to two cells apart per axis. Three
+/// cells apart they share a node unless the lower one lies exactly on a node, whose support then ends one
+/// node short. So cells are joined instead of particles.
 ///
 /// # Errors
-/// Positions, masses, origin or spacing that are not finite; a spacing that is not positive; lengths that differ.
+/// Positions, masses, origin or spacing that are not finite; a spacing that is not positive; lengths that
+/// differ.
 pub fn kernel_graph<const D: usize>(
     positions: &[Vector<f64, D>],
     masses: &[f64],
@@ -42,7 +44,8 @@ pub fn kernel_graph<const D: usize>(
     FragmentAnalysis::of_partition(&list.components_of_particles(&mut cells), masses)
 }
 
-/// The sets of axes on which some particle of a cell lies between nodes; set s is bit s, axis a is bit a of s.
+/// The sets of axes on which some particle of a cell lies between nodes; set s is bit s, axis a is bit a of
+/// s.
 #[derive(Clone, Copy)]
 struct OffNode(u8);
 

@@ -2,19 +2,19 @@
 //!
 //! | metric | joined are | file |
 //! |---|---|---|
-//! | friends-of-friends | particles at most a link apart | [`friends_of_friends`] |
-//! | bond graph | particles bonded at t = 0 whose bond still holds | [`bond_graph`] |
-//! | flood fill | raster cells dense enough, side by side | [`flood_fill`] |
-//! | kernel graph | particles that share a grid node | [`kernel_graph`] |
-//! | N(link) | friends-of-friends at every link at once | [`link_curve`] |
+//! | friends-of-friends | particles at most a link apart | [`mod@friends_of_friends`] |
+//! | bond graph | particles bonded at t = 0 whose bond still holds | [`mod@bond_graph`] |
+//! | flood fill | raster cells dense enough, side by side | [`mod@flood_fill`] |
+//! | kernel graph | particles that share a grid node | [`mod@kernel_graph`] |
+//! | N(link) | friends-of-friends at every link at once | [`mod@link_curve`] |
 //!
-//! Each yields a [`FragmentAnalysis`](fragments::FragmentAnalysis), from which the study's endpoints are read. Whether a
-//! metric may be believed is asked by the [`gate`] at t = 0 and by the [`calibration`] under stretch; arms of different
-//! particle numbers are made equal by [`thinning`]. [`spread`] and [`sizes`] measure the debris and its pieces.
-//! [`oracle`] restates each definition over all pairs, for the tests.
+//! Each yields a [`FragmentAnalysis`], from which the study's endpoints are
+//! read. Whether a metric may be believed is asked by the [`gate`] at t = 0 and by the [`calibration`] under
+//! stretch; arms of different particle numbers are made equal by [`thinning`]. [`spread`] and [`sizes`]
+//! measure the debris and its pieces. [`oracle`] restates each definition over all pairs, for the tests.
 //!
 //! All lengths are in metres, all arithmetic is f64, the dimension `D` is 2 or 3. Bad input is refused with a
-//! [`MetricError`](error::MetricError); no input makes a metric panic.
+//! [`MetricError`]; no input makes a metric panic.
 
 pub mod bond_graph;
 pub mod calibration;

@@ -1,5 +1,5 @@
-//! The same metrics by their bare definitions, over all pairs of particles: O(N^2), slow and plain. The fast versions are
-//! tested against these.
+//! The same metrics by their bare definitions, over all pairs of particles: O(N^2), slow and plain. The fast
+//! versions are tested against these.
 
 use super::cell_list::squared_distance;
 use super::error::MetricError;
@@ -7,8 +7,8 @@ use super::flood_fill::FloodRaster;
 use super::fragments::FragmentAnalysis;
 use snowlab_solver::geometry::Vector;
 
-/// The connected components of a graph given by its edges, found by walking from particle to particle: `joined(i, j)` says
-/// whether two particles share an edge.
+/// The connected components of a graph given by its edges, found by walking from particle to particle:
+/// `joined(i, j)` says whether two particles share an edge.
 ///
 /// # Errors
 /// Masses [kg] that are not finite and positive.
@@ -37,7 +37,8 @@ pub fn components(
     FragmentAnalysis::of_partition(&names, masses)
 }
 
-/// [`friends_of_friends`](super::friends_of_friends::friends_of_friends): joined where the distance is at most `link` [m].
+/// [`friends_of_friends`](super::friends_of_friends::friends_of_friends): joined where the distance is at
+/// most `link` [m].
 ///
 /// # Errors
 /// As [`components`].
@@ -49,8 +50,8 @@ pub fn friends_of_friends<const D: usize>(
     components(masses, |i, j| squared_distance(&positions[i], &positions[j]) <= link * link)
 }
 
-/// [`BondGraph`](super::bond_graph::BondGraph): joined where within 2h at `reference` and within 3h at `positions` [m].
-/// Returns the fragments and the number of cut bonds.
+/// [`BondGraph`](super::bond_graph::BondGraph): joined where within 2h at `reference` and within 3h at
+/// `positions` [m]. Returns the fragments and the number of cut bonds.
 ///
 /// # Errors
 /// As [`components`].
@@ -88,7 +89,8 @@ pub fn flood_fill<const D: usize>(
     components(masses, |i, j| full[i] && full[j] && (cell(i) - cell(j)).lp_norm(1) <= 1.0)
 }
 
-/// [`kernel_graph`](super::kernel_graph::kernel_graph): joined where, on every axis, some node is within 2h of both.
+/// [`kernel_graph`](super::kernel_graph::kernel_graph): joined where, on every axis, some node is within 2h
+/// of both.
 ///
 /// # Errors
 /// As [`components`].
@@ -106,8 +108,9 @@ pub fn kernel_graph<const D: usize>(
     components(masses, |i, j| (0..D).all(|axis| shared(scaled(i, axis), scaled(j, axis))))
 }
 
-/// The squared edge lengths [m^2] of the Euclidean minimum spanning tree, ascending (Prim, Bell System Technical Journal
-/// 36, 1957): [`LinkCurve`](super::link_curve::LinkCurve) has N minus the number of edges up to the link.
+/// The squared edge lengths [m^2] of the Euclidean minimum spanning tree, ascending (Prim, Bell System
+/// Technical Journal 36, 1957): [`LinkCurve`](super::link_curve::LinkCurve) has N minus the number of edges
+/// up to the link.
 pub fn spanning_tree<const D: usize>(positions: &[Vector<f64, D>]) -> Vec<f64> {
     let mut nearest = vec![f64::INFINITY; positions.len()];
     let mut left: Vec<usize> = (1..positions.len()).collect();

@@ -7,7 +7,8 @@ use super::error::{MetricError, check_masses, check_parameter};
 pub enum Ordinate {
     /// The number of fragments of at least the mass, per case.
     Number,
-    /// The share of the case's fragments of at least the mass: the complementary cumulative distribution function (CCDF).
+    /// The share of the case's fragments of at least the mass: the complementary cumulative distribution
+    /// function (CCDF).
     Share,
     /// The share of the case's mass in fragments of at least the mass.
     MassShare,
@@ -35,11 +36,13 @@ pub fn distribution_at(descending: &[f64], mass: f64, ordinate: Ordinate) -> f64
     }
 }
 
-/// The size distribution of several cases with a band: at each of `masses` (any order) the mean and the quantiles 0.5 -
-/// `coverage`/2, 0.5 and 0.5 + `coverage`/2 of the cases' own distributions there. Quantiles interpolate linearly between
-/// order statistics (Hyndman & Fan, The American Statistician 50(4), 1996, type 7).
+/// The size distribution of several cases with a band: at each of `masses` (any order) the mean and the
+/// quantiles 0.5 - `coverage`/2, 0.5 and 0.5 + `coverage`/2 of the cases' own distributions there. Quantiles
+/// interpolate linearly between order statistics (Hyndman & Fan, The American Statistician 50(4), 1996, type
+/// 7).
 ///
-/// `cases` holds the fragment masses of each case, in any order. The band is pointwise: it is no interval for a curve.
+/// `cases` holds the fragment masses of each case, in any order. The band is pointwise: it is no interval for
+/// a curve.
 ///
 /// # Errors
 /// No case; a fragment mass that is not finite and positive; a coverage outside [0, 1].
@@ -67,7 +70,8 @@ pub fn distribution_band(
     Ok(masses.iter().map(point).collect())
 }
 
-/// `count` masses, log-spaced from the least to the greatest fragment of all cases; fewer than two where all are equal.
+/// `count` masses, log-spaced from the least to the greatest fragment of all cases; fewer than two where all
+/// are equal.
 pub fn mass_grid(cases: &[Vec<f64>], count: usize) -> Vec<f64> {
     let all = || cases.iter().flatten().copied();
     let (least, greatest) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));

@@ -42,13 +42,14 @@ pub struct Spread<const D: usize> {
 }
 
 impl<const D: usize> Spread<D> {
-    /// The spread of `positions` [m] with `masses` [kg]; `up` is the vertical axis, `impact` the point of first contact
-    /// [m], of which the horizontal coordinates count.
+    /// The spread of `positions` [m] with `masses` [kg]; `up` is the vertical axis, `impact` the point of
+    /// first contact [m], of which the horizontal coordinates count.
     ///
     /// The q quantile is the least coordinate below or at which lies at least the share q of the mass.
     ///
     /// # Errors
-    /// Positions or masses that are not finite; no particles; lengths that differ; an axis that does not exist.
+    /// Positions or masses that are not finite; no particles; lengths that differ; an axis that does not
+    /// exist.
     pub fn new(
         positions: &[Vector<f64, D>],
         masses: &[f64],
@@ -81,8 +82,8 @@ impl<const D: usize> Spread<D> {
         self.extents[self.up]
     }
 
-    /// ln extent: the logarithm of the horizontal bulk width in metres, in 3D its mean over the two horizontal axes.
-    /// Minus infinity where the bulk of the mass has one coordinate.
+    /// ln extent: the logarithm of the horizontal bulk width in metres, in 3D its mean over the two
+    /// horizontal axes. Minus infinity where the bulk of the mass has one coordinate.
     pub fn log_extent(&self) -> f64 {
         let horizontal = (0..D).filter(|&axis| axis != self.up);
         horizontal.map(|axis| libm::log(self.extents[axis].bulk_width())).sum::<f64>() / (D - 1) as f64
@@ -109,8 +110,8 @@ fn mass_quantiles<const Q: usize>(values: &[f64], masses: &[f64], shares: [f64; 
     })
 }
 
-/// The share of the mass [kg] whose plastic volume ratio J_P lies above each of `thresholds`, for example [`LOOSENED`].
-/// Zeros without particles.
+/// The share of the mass [kg] whose plastic volume ratio J_P lies above each of `thresholds`, for example
+/// [`LOOSENED`]. Zeros without particles.
 ///
 /// # Errors
 /// Masses that do not fit the ratios or are not finite and positive; a ratio that is not finite.

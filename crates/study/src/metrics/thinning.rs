@@ -8,7 +8,8 @@ use snowlab_solver::geometry::Vector;
 
 /// How many random subsets are averaged where a placement has no prefix property.
 pub const SUBSETS: usize = 16;
-/// The name of the random stream subsets are drawn from; its bytes, as a big-endian number, are the stream of ChaCha8.
+/// The name of the random stream subsets are drawn from; its bytes, as a big-endian number, are the stream of
+/// ChaCha8.
 const STREAM: u64 = u64::from_be_bytes(*b"thinning");
 
 /// Which particles stand for the whole.
@@ -24,8 +25,9 @@ pub enum Thinning {
 }
 
 impl Thinning {
-    /// The subsets of `count` particles to measure, each as ascending indices into `ids`. They depend on the ids alone, not
-    /// on the order of the particles in memory; where `count` is the number of particles there is one subset, all of them.
+    /// The subsets of `count` particles to measure, each as ascending indices into `ids`. They depend on the
+    /// ids alone, not on the order of the particles in memory; where `count` is the number of particles there
+    /// is one subset, all of them.
     ///
     /// # Errors
     /// A count above the number of particles, or below 1 where there are particles.
@@ -51,9 +53,9 @@ impl Thinning {
     }
 }
 
-/// `count` of `particles`, each subset with the same chance: the first steps of a Fisher-Yates shuffle (Knuth, "The Art
-/// of Computer Programming" 2, algorithm 3.4.2 P). An index below n is the high half of a 64-bit number times n, whose
-/// bias of n / 2^64 is far below notice.
+/// `count` of `particles`, each subset with the same chance: the first steps of a Fisher-Yates shuffle
+/// (Knuth, "The Art of Computer Programming" 2, algorithm 3.4.2 P). An index below n is the high half of a
+/// 64-bit number times n, whose bias of n / 2^64 is far below notice.
 fn draw(particles: &[usize], count: usize, random: &mut impl Rng) -> Vec<usize> {
     let mut deck = particles.to_vec();
     for place in 0..count {
@@ -87,8 +89,8 @@ pub fn thinned<const D: usize>(
     ))
 }
 
-/// The mean of `measure(positions, masses)` over the subsets of `count` particles that `thinning` picks: an endpoint at
-/// equal counts. `ids`, `positions` [m] and `masses` [kg] run over the same particles.
+/// The mean of `measure(positions, masses)` over the subsets of `count` particles that `thinning` picks: an
+/// endpoint at equal counts. `ids`, `positions` [m] and `masses` [kg] run over the same particles.
 ///
 /// # Errors
 /// Arrays that differ in length, a count above the number of particles, and what `measure` refuses.

@@ -27,8 +27,8 @@ impl UnionFind {
         element
     }
 
-    /// Unites the sets of `a` and `b`. Returns the root that stays and the root that went, or `None` where they were
-    /// one set before. The larger set's root stays; of two equal ones the lower root.
+    /// Unites the sets of `a` and `b`. Returns the root that stays and the root that went, or `None` where
+    /// they were one set before. The larger set's root stays; of two equal ones the lower root.
     #[inline]
     pub fn union(&mut self, a: u32, b: u32) -> Option<(u32, u32)> {
         let (a, b) = (self.find(a), self.find(b));
