@@ -1,5 +1,25 @@
 //! The laboratory: sweeps, fragments, statistics, tables, figures and reports.
-pub mod metrics;
+//!
+//! ```text
+//! spec -> sweep -> [Case] -> run (assemble, solver) -> frames, record -> measure -> tables -> evaluate, check -> report
+//! ```
 
+pub mod assemble;
+pub mod check;
 pub mod claims;
+pub mod evaluate;
+pub mod fragments_command;
+pub mod frames;
+pub mod measure;
+pub mod metrics;
+pub mod points;
+pub mod record;
+pub mod results;
+pub mod run;
+pub mod schedule;
+pub mod spec;
 pub mod statistics;
+pub mod store;
+pub mod sweep;
+pub mod table;
+pub mod tables;

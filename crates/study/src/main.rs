@@ -1,3 +1,36 @@
 //! The `snowlab` command line.
 
-fn main() {}
+mod command;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use command::{Command, Exit};
+
+/// Snow by the material point method: scenes, studies, fragments.
+#[derive(Debug, Parser)]
+#[command(name = "snowlab", version, about, after_help = EXAMPLES)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "Examples:
+  snowlab plan studies/placement.toml              what would run
+  snowlab run studies/placement.toml               run it; again, and only what is missing runs
+  snowlab report studies/placement.toml            tables, figures and report from what has run
+  snowlab simulate my-scene.toml --out my-scene    one scene, its frames as CSV
+  snowlab fragments points.csv --link 0.0144       fragments of any set of points
+
+Exit codes: 0 done, 1 an expectation failed, 2 usage or bad input, 3 cases failed.";
+
+fn main() -> ExitCode {
+    match Arguments::parse().command.run() {
+        Ok(exit) => ExitCode::from(exit as u8),
+        Err(error) => {
+            eprintln!("snowlab: {error:#}");
+            ExitCode::from(Exit::BadInput as u8)
+        }
+    }
+}

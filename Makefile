@@ -1,0 +1,44 @@
+# The project's commands. `make study` and `make test` do all the set-up on a machine with Rust.
+
+CARGO ?= cargo
+JOBS ?= $(shell nproc 2>/dev/null || echo 2)
+SNOWLAB = $(CARGO) run --locked --release --quiet --bin snowlab --
+
+.PHONY: help study pilot test check mutants bench report clean
+
+help: ## list the targets
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
+
+study: ## run the placement comparison; tables, figures and report go to results/placement
+	$(SNOWLAB) run studies/placement.toml --jobs $(JOBS)
+	$(SNOWLAB) report studies/placement.toml
+	$(SNOWLAB) check studies/placement.toml
+
+pilot: ## run the pilot that chose the study's speed; its table goes to results/pilot
+	$(SNOWLAB) run studies/pilot.toml --jobs $(JOBS)
+	$(SNOWLAB) report studies/pilot.toml
+
+test: ## build and run all tests
+	$(CARGO) test --locked --release --workspace
+
+check: ## formatting, lints, docs, and the smoke profile of the study within its ranges
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy --locked --release --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --release --workspace --no-deps
+	$(SNOWLAB) run studies/placement.toml --profile smoke --jobs $(JOBS) --out target/smoke
+	$(SNOWLAB) report studies/placement.toml --profile smoke --out target/smoke
+	$(SNOWLAB) check studies/placement.toml --profile smoke --out target/smoke
+
+mutants: ## put known bugs into copies of the code and expect the tests to fail
+	tests/mutants/run
+
+bench: ## time a step of the solver
+	$(CARGO) bench --locked --workspace
+
+report: ## write the reports of all studies that have been run
+	$(SNOWLAB) report studies/placement.toml
+	$(SNOWLAB) report studies/pilot.toml
+
+clean: ## delete the cases of all studies (tables, figures and reports stay) and the build
+	rm -rf results/*/cases
+	$(CARGO) clean

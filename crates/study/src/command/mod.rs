@@ -1,0 +1,106 @@
+//! The subcommands: what they read and what they print.
+
+mod fragments;
+mod progress;
+mod sample;
+mod simulate;
+mod study;
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+/// Exit codes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exit {
+    /// All done.
+    Done = 0,
+    /// An expectation failed.
+    ExpectationFailed = 1,
+    /// Usage or bad input.
+    BadInput = 2,
+    /// Cases failed.
+    CasesFailed = 3,
+}
+
+/// A subcommand.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// List the cases of a study: how many, which are there, what would run
+    Plan(StudyArguments),
+    /// Run the cases of a study that have not been run, and write its tables
+    Run {
+        #[command(flatten)]
+        study: StudyArguments,
+        /// Cases side by side; by default one for each core
+        #[arg(long)]
+        jobs: Option<usize>,
+    },
+    /// Write tables, figures and report of a study that has been run
+    Report(StudyArguments),
+    /// Hold a study's results against the ranges it expects; exit code 1 where one is left
+    Check(StudyArguments),
+    /// Run one scene and write its frames as CSV
+    Simulate {
+        /// Scene file
+        scene: PathBuf,
+        /// Folder for the frames
+        #[arg(long)]
+        out: PathBuf,
+    },
+    /// Place the particles of a scene and write them, without running it
+    Sample {
+        /// Scene file
+        scene: PathBuf,
+        /// Output file, .csv or .ply
+        #[arg(short, long)]
+        output: PathBuf,
+    },
+    /// Count the fragments of a file of points by friends-of-friends
+    Fragments {
+        /// Points: CSV or PLY with columns x, y[, z]
+        file: PathBuf,
+        /// Linking length, in the unit of the points
+        #[arg(long)]
+        link: f64,
+        /// Fragments lighter than this share of the whole count as dust
+        #[arg(long, default_value_t = snowlab_study::metrics::gate::DUST_CUT)]
+        min_mass_share: f64,
+        /// Print JSON
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+/// Which study, and where its results are.
+#[derive(Debug, Args)]
+pub struct StudyArguments {
+    /// Study file
+    file: PathBuf,
+    /// A named variation of the study
+    #[arg(long)]
+    profile: Option<String>,
+    /// Folder of results
+    #[arg(long, default_value = "results")]
+    out: PathBuf,
+}
+
+impl Command {
+    /// Carries it out.
+    ///
+    /// # Errors
+    /// Usage and bad input.
+    pub fn run(self) -> anyhow::Result<Exit> {
+        match self {
+            Command::Plan(study) => study::plan(&study),
+            Command::Run { study, jobs } => study::run(&study, jobs),
+            Command::Report(study) => study::report(&study),
+            Command::Check(study) => study::check(&study),
+            Command::Simulate { scene, out } => simulate::simulate(&scene, &out),
+            Command::Sample { scene, output } => sample::sample(&scene, &output),
+            Command::Fragments { file, link, min_mass_share, json } => {
+                fragments::fragments(&file, link, min_mass_share, json)
+            }
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Progress on the terminal: a bar, or a line now and then where there is no terminal. Standard output stays clean.
+
+use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use snowlab_study::results::CaseError;
+use snowlab_study::schedule::Progress;
+use snowlab_study::sweep::Case;
+
+/// Time between plain lines.
+const LINE_INTERVAL: Duration = Duration::from_secs(10);
+/// Resolution of the bar.
+const TICKS: u64 = 10_000;
+
+/// A bar on a terminal, plain lines elsewhere. The time left is weighted by particle-steps.
+pub struct Bar {
+    bar: Option<ProgressBar>,
+    total: usize,
+    plain: Mutex<Plain>,
+}
+
+struct Plain {
+    started: Instant,
+    latest: Instant,
+    share: f64,
+}
+
+impl Bar {
+    /// For so many cases.
+    pub fn new(total: usize) -> Self {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let style =
+                ProgressStyle::with_template("{wide_bar} {percent} % {msg}, {elapsed} gone, {eta} to go");
+            ProgressBar::new(TICKS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        });
+        let now = Instant::now();
+        Bar { bar, total, plain: Mutex::new(Plain { started: now, latest: now, share: 0.0 }) }
+    }
+
+    fn line(&self, share: f64, cases: usize) {
+        let Ok(mut plain) = self.plain.lock() else { return };
+        plain.share = plain.share.max(share);
+        if plain.latest.elapsed() < LINE_INTERVAL && cases < self.total {
+            return;
+        }
+        plain.latest = Instant::now();
+        let gone = plain.started.elapsed().as_secs_f64();
+        let left = gone * (1.0 - plain.share) / plain.share.max(1e-9);
+        eprintln!(
+            "{:5.1} %, {cases} of {} cases, {gone:.0} s gone, about {left:.0} s to go",
+            100.0 * plain.share,
+            self.total
+        );
+    }
+}
+
+impl Progress for Bar {
+    fn advanced(&self, share: f64, cases: usize) {
+        match &self.bar {
+            Some(bar) => {
+                bar.set_position(bar.position().max((share * TICKS as f64) as u64));
+                bar.set_message(format!("{cases} of {} cases", self.total));
+            }
+            None => self.line(share, cases),
+        }
+    }
+
+    fn finished(&self, case: &Case, result: Result<(), &CaseError>) {
+        if let Err(error) = result {
+            let line = format!("{} block {}: {error}", case.arm, case.block);
+            match &self.bar {
+                Some(bar) => bar.suspend(|| eprintln!("{line}")),
+                None => eprintln!("{line}"),
+            }
+        }
+    }
+}

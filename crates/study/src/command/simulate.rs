@@ -1,0 +1,127 @@
+//! One scene, its frames as CSV in full precision.
+
+use std::path::{Path, PathBuf};
+
+use snowlab_solver::{Real, Simulation};
+use snowlab_study::record::{HistoryRow, Outcome, RunRecord};
+use snowlab_study::run::{Observer, run_scene};
+use snowlab_study::spec::{self, SceneSpec};
+use snowlab_study::store::write_whole;
+use snowlab_study::table::{Row, Table};
+
+use super::Exit;
+
+/// Runs the scene; frames, energies and collider forces go to `out`.
+pub fn simulate(path: &Path, out: &Path) -> anyhow::Result<Exit> {
+    let (scene, _) = spec::read::<SceneSpec>(path)?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let mut writer = FrameWriter { out: out.into(), frames: 0, error: None };
+    let record = match scene.dimension {
+        3 => run_scene::<3>(&scene, folder, &mut writer)?.record,
+        _ => run_scene::<2>(&scene, folder, &mut writer)?.record,
+    };
+    if let Some(error) = writer.error {
+        return Err(error);
+    }
+    history(&record).write(out)?;
+    println!(
+        "{}: {} frames, {} steps, {}",
+        out.display(),
+        writer.frames,
+        record.steps,
+        record.outcome.in_words()
+    );
+    if let Outcome::Stopped { message, .. } = &record.outcome {
+        eprintln!("snowlab: the run stopped: {message}");
+        return Ok(Exit::CasesFailed);
+    }
+    Ok(Exit::Done)
+}
+
+/// Writes each frame as it comes.
+struct FrameWriter {
+    out: PathBuf,
+    frames: usize,
+    error: Option<anyhow::Error>,
+}
+
+impl Observer for FrameWriter {
+    fn progress(&mut self, _share: f64, _steps: u64) {}
+
+    fn frame<T: Real, const D: usize>(&mut self, simulation: &Simulation<T, D>) {
+        let path = self.out.join(format!("frame-{:05}.csv", self.frames));
+        self.frames += 1;
+        if let Err(error) = write_whole(&path, frame_csv(simulation).as_bytes()) {
+            self.error.get_or_insert(error.into());
+        }
+    }
+}
+
+/// Particles in the order of their ids; digits that read back to the same numbers.
+fn frame_csv<T: Real, const D: usize>(simulation: &Simulation<T, D>) -> String {
+    let state = simulation.state();
+    let axes = &["x", "y", "z"][..D];
+    let mut text = String::from("id");
+    axes.iter().for_each(|axis| text.push_str(&format!(",{axis}")));
+    axes.iter().for_each(|axis| text.push_str(&format!(",v{axis}")));
+    text.push_str(",mass,volume,jp");
+    for i in axes {
+        for j in axes {
+            text.push_str(&format!(",f{i}{j}"));
+        }
+    }
+    text.push('\n');
+    for p in state.by_id() {
+        let (motion, constants) = (&state.motion, &state.constants);
+        text.push_str(&constants.id[p].to_string());
+        let position = state.world_position(p);
+        let scalars = [constants.mass[p], constants.volume[p], motion.plastic_ratio[p]].map(Real::as_f64);
+        let deformation = motion.deformation[p].transpose();
+        let numbers = position
+            .iter()
+            .copied()
+            .chain(motion.velocity[p].iter().map(|v| v.as_f64()))
+            .chain(scalars)
+            .chain(deformation.iter().map(|f| f.as_f64()));
+        numbers.for_each(|number| text.push_str(&format!(",{number:?}")));
+        text.push('\n');
+    }
+    text
+}
+
+/// `history`: energies, losses, and impulse and mean force on each obstacle, one row a frame.
+fn history(record: &RunRecord) -> Table {
+    let rows = record.history.iter().enumerate().map(|(index, now)| {
+        let before = index.checked_sub(1).map(|i| &record.history[i]);
+        let mut row = Row::default();
+        row.count("frame", "number of the frame", index as u64)
+            .number("time", "s", "time", now.time)
+            .count("steps", "steps taken", now.steps)
+            .number("kinetic", "J/m or J", "kinetic energy", now.kinetic)
+            .number("elastic", "J/m or J", "elastic energy", now.elastic)
+            .number("potential", "J/m or J", "potential energy", now.potential)
+            .number("plastic_loss", "J/m or J", "lost to plastic flow so far", now.plastic_loss)
+            .number("transfer_loss", "J/m or J", "lost between particles and grid so far", now.transfer_loss)
+            .number("contact_loss", "J/m or J", "lost in contacts so far", now.contact_loss)
+            .number("collider_work", "J/m or J", "work of obstacles so far", now.collider_work);
+        for collider in 0..now.impulses.len() {
+            forces(&mut row, collider, now, before);
+        }
+        row
+    });
+    Table { name: "history", rows: rows.collect() }
+}
+
+fn forces(row: &mut Row, collider: usize, now: &HistoryRow, before: Option<&HistoryRow>) {
+    for (axis, impulse) in ["x", "y", "z"].iter().zip(&now.impulses[collider]) {
+        let k = ["x", "y", "z"].iter().position(|a| a == axis).unwrap_or(0);
+        let force = before.map_or(0.0, |b| (impulse - b.impulses[collider][k]) / (now.time - b.time));
+        row.number(&format!("impulse_{collider}_{axis}"), "N s", "impulse on the obstacle so far", *impulse)
+            .number(
+                &format!("force_{collider}_{axis}"),
+                "N",
+                "mean force on it since the frame before",
+                force,
+            );
+    }
+}

@@ -1,0 +1,140 @@
+//! plan, run, report, check.
+
+use std::path::Path;
+
+use snowlab_study::evaluate::assess_claims;
+use snowlab_study::record::Outcome;
+use snowlab_study::results::{CaseResult, Ledger};
+use snowlab_study::schedule::run_cases;
+use snowlab_study::spec::{self, StudySpec};
+use snowlab_study::sweep::Study;
+use snowlab_study::table::{Table, dictionary};
+use snowlab_study::{check as expectations, tables};
+
+use super::progress::Bar;
+use super::{Exit, StudyArguments};
+
+struct Opened {
+    study: Study,
+    text: String,
+}
+
+fn open(arguments: &StudyArguments) -> anyhow::Result<Opened> {
+    let (spec, text) = spec::read::<StudySpec>(&arguments.file)?;
+    Ok(Opened { study: Study::expand(spec, arguments.profile.as_deref())?, text })
+}
+
+fn folder(arguments: &StudyArguments) -> &Path {
+    arguments.file.parent().unwrap_or(Path::new("."))
+}
+
+/// Lists what would run.
+pub fn plan(arguments: &StudyArguments) -> anyhow::Result<Exit> {
+    let Opened { study, .. } = open(arguments)?;
+    let ledger = Ledger::open(&study, &arguments.out, folder(arguments))?;
+    let missing = ledger.missing();
+    for (index, case) in study.cases.iter().enumerate() {
+        let state = if missing.binary_search(&index).is_ok() { "to run" } else { "finished" };
+        let point: Vec<String> = case.axes.iter().map(|(name, value)| format!(" {name} = {value}")).collect();
+        println!("{state}  {}  {}{} block {}", ledger.key(index), case.arm, point.concat(), case.block);
+    }
+    println!(
+        "{} cases: {} finished, {} to run",
+        study.cases.len(),
+        study.cases.len() - missing.len(),
+        missing.len()
+    );
+    Ok(Exit::Done)
+}
+
+/// Runs what is missing and writes the tables.
+pub fn run(arguments: &StudyArguments, jobs: Option<usize>) -> anyhow::Result<Exit> {
+    let Opened { study, .. } = open(arguments)?;
+    let ledger = Ledger::open(&study, &arguments.out, folder(arguments))?;
+    let missing = ledger.missing();
+    eprintln!("{}: {} cases, {} to run", study.spec.name, study.cases.len(), missing.len());
+    let jobs = jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let failures = match run_cases(&ledger, &missing, jobs, &Bar::new(missing.len())) {
+        Ok(()) => Vec::new(),
+        Err(failures) => failures,
+    };
+    for (index, error) in &failures {
+        let case = &study.cases[*index];
+        eprintln!("failed: {} block {}: {error}", case.arm, case.block);
+    }
+    let results = finished(&ledger)?;
+    write_tables(&ledger, &results, &[])?;
+    let stopped: Vec<_> = results.iter().filter_map(stopped).collect();
+    stopped.iter().for_each(|line| eprintln!("{line}"));
+    println!("{}", ledger.store.root().join("cases.csv").display());
+    Ok(if failures.is_empty() { Exit::Done } else { Exit::CasesFailed })
+}
+
+/// Writes tables, figures and report.
+pub fn report(arguments: &StudyArguments) -> anyhow::Result<Exit> {
+    let Opened { study, text } = open(arguments)?;
+    let ledger = Ledger::open(&study, &arguments.out, folder(arguments))?;
+    let results = finished(&ledger)?;
+    let missing = study.cases.len() - results.len();
+    anyhow::ensure!(
+        !results.is_empty(),
+        "{}: nothing has been run; run `snowlab run` first",
+        study.spec.name
+    );
+    let (assessments, gates) = assess_claims(&ledger, &results)?;
+    write_tables(&ledger, &results, &[tables::claims(&assessments)])?;
+    for (_, assessment) in &assessments {
+        println!("{assessment}");
+    }
+    gates.words.iter().for_each(|line| println!("{line}"));
+    if missing > 0 {
+        eprintln!("{missing} cases have not been run; run `snowlab run` to complete the study");
+    }
+    let _ = text;
+    Ok(Exit::Done)
+}
+
+/// Holds results against expectations.
+pub fn check(arguments: &StudyArguments) -> anyhow::Result<Exit> {
+    let Opened { study, .. } = open(arguments)?;
+    let ledger = Ledger::open(&study, &arguments.out, folder(arguments))?;
+    let results = (0..study.cases.len()).map(|index| ledger.result(index)).collect::<Result<Vec<_>, _>>()?;
+    let findings = expectations::check(&study, &results)?;
+    for finding in &findings {
+        println!("{}  {}", if finding.holds { "holds " } else { "FAILED" }, finding.line);
+    }
+    let failed = findings.iter().filter(|finding| !finding.holds).count();
+    println!("{}: {} expectations, {failed} failed", study.spec.name, findings.len());
+    Ok(if failed == 0 { Exit::Done } else { Exit::ExpectationFailed })
+}
+
+/// Results of the cases that have been run.
+fn finished(ledger: &Ledger) -> anyhow::Result<Vec<CaseResult>> {
+    let run = (0..ledger.study.cases.len()).filter(|&index| ledger.case_folder(index).is_finished());
+    Ok(run.map(|index| ledger.result(index)).collect::<Result<_, _>>()?)
+}
+
+fn stopped(result: &CaseResult) -> Option<String> {
+    match &result.record.outcome {
+        Outcome::Stopped { message, .. } => {
+            Some(format!("{} block {} stopped: {message}", result.case.arm, result.case.block))
+        }
+        _ => None,
+    }
+}
+
+fn write_tables(ledger: &Ledger, results: &[CaseResult], more: &[Table]) -> anyhow::Result<()> {
+    let own = [
+        tables::cases(results),
+        tables::fragments(results),
+        tables::frames(results),
+        tables::summary(results),
+    ];
+    let timings = tables::timings(ledger, results)?;
+    let all: Vec<&Table> = own.iter().chain(more).chain([&timings]).collect();
+    for table in &all {
+        table.write(ledger.store.root())?;
+    }
+    dictionary(&all).write(ledger.store.root())?;
+    Ok(())
+}

@@ -1,0 +1,186 @@
+//! A study file: a scene, what varies in it, how it is measured, and what is claimed of it.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::claims::Claim;
+
+/// A study.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StudySpec {
+    /// Name; results go to `<out>/<name>`.
+    pub name: String,
+    /// The question it answers, in a sentence or two.
+    pub question: String,
+    /// The scene that arms and sweeps vary.
+    pub scene: toml::Table,
+    /// Blocks: seeds shared by the arms of a comparison.
+    pub blocks: BlockSpec,
+    /// The arms.
+    pub arm: Vec<ArmSpec>,
+    /// Axes that every arm is run along: all combinations.
+    #[serde(default)]
+    pub sweep: Vec<SweepSpec>,
+    /// How fragments are measured.
+    pub measure: MeasureSpec,
+    /// The speed that a pilot chose, and where that is recorded.
+    #[serde(default)]
+    pub pilot: Option<PilotSpec>,
+    /// Arms that nothing can break (an elastic ball, a ball at rest): the claims need them to read as one piece.
+    #[serde(default)]
+    pub noise_floor: Vec<String>,
+    /// Claims judged from the arms.
+    #[serde(default)]
+    pub claim: Vec<Claim>,
+    /// Ranges that the results must lie in.
+    #[serde(default)]
+    pub expect: Vec<ExpectSpec>,
+    /// Named variations of the whole study.
+    #[serde(default)]
+    pub profile: BTreeMap<String, ProfileSpec>,
+}
+
+/// Which seeds a study uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BlockSpec {
+    /// Seed of the first block. Studies that must not share seeds start apart.
+    pub first: u64,
+    /// Number of blocks of every arm that does not say otherwise.
+    pub count: u64,
+}
+
+/// One arm.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ArmSpec {
+    /// Short name.
+    pub id: String,
+    /// Words for figures; the id when left out.
+    #[serde(default)]
+    pub label: Option<String>,
+    /// Values set in the scene, by dotted path.
+    #[serde(default)]
+    pub set: BTreeMap<String, toml::Value>,
+    /// Number of blocks, where it differs from the study's.
+    #[serde(default)]
+    pub blocks: Option<u64>,
+    /// Whether the arm's frames make the snowball figures.
+    #[serde(default)]
+    pub pictured: bool,
+}
+
+/// One axis of a sweep.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SweepSpec {
+    /// Name of the axis: a column of the tables.
+    pub name: String,
+    /// Dotted path into the scene.
+    pub path: String,
+    /// Values.
+    pub values: Vec<toml::Value>,
+    /// Numbers that stand for the values in tables; the values themselves when left out.
+    #[serde(default)]
+    pub numbers: Option<Vec<f64>>,
+}
+
+/// How fragments are measured. Lengths are in metres and the same in every arm.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeasureSpec {
+    /// h_max: the largest spacing among the arms compared [m].
+    pub largest_spacing: f64,
+    /// Link of friends-of-friends over h_max.
+    #[serde(default = "link_ratio")]
+    pub link_ratio: f64,
+    /// m_cut over the mass of the solid body.
+    #[serde(default = "min_mass_share")]
+    pub min_mass_share: f64,
+    /// Bodies that the gate expects at t = 0.
+    #[serde(default = "bodies")]
+    pub bodies: usize,
+    /// `settled` looks back over this many time units of the output.
+    #[serde(default = "settle_window")]
+    pub settle_window: f64,
+}
+
+/// What a pilot decided.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PilotSpec {
+    /// Whether a speed was found with a median damage in [0.05, 0.6].
+    pub operating_point_found: bool,
+    /// Where to read of it.
+    pub source: String,
+}
+
+/// A range that a metric must lie in.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExpectSpec {
+    /// A numeric column of `cases.csv`.
+    pub metric: String,
+    /// Arms it is asked of; all when left out.
+    #[serde(default)]
+    pub arms: Vec<String>,
+    /// What must lie in the range.
+    #[serde(default)]
+    pub statistic: ExpectStatistic,
+    /// Least and greatest value allowed.
+    pub range: [f64; 2],
+    /// Profiles it holds for; all when left out.
+    #[serde(default)]
+    pub profiles: Vec<String>,
+    /// Why this range.
+    pub why: String,
+}
+
+/// What of an arm's values must lie in a range.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ExpectStatistic {
+    /// Every case's.
+    #[default]
+    Each,
+    /// The mean.
+    Mean,
+    /// The median.
+    Median,
+}
+
+/// A variation of the whole study.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProfileSpec {
+    /// Values set in the scene of every arm, before the arm's own.
+    #[serde(default)]
+    pub set: BTreeMap<String, toml::Value>,
+    /// Values set in single arms, after the arm's own.
+    #[serde(default)]
+    pub arm_set: BTreeMap<String, BTreeMap<String, toml::Value>>,
+    /// Arms that are run; all when left out.
+    #[serde(default)]
+    pub arms: Option<Vec<String>>,
+    /// Blocks of every arm.
+    #[serde(default)]
+    pub blocks: Option<BlockSpec>,
+    /// Measurement, where the scene's change asks for another.
+    #[serde(default)]
+    pub measure: Option<MeasureSpec>,
+}
+
+fn link_ratio() -> f64 {
+    2.0
+}
+fn min_mass_share() -> f64 {
+    crate::metrics::gate::DUST_CUT
+}
+fn bodies() -> usize {
+    1
+}
+fn settle_window() -> f64 {
+    2.0
+}

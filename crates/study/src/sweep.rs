@@ -1,0 +1,197 @@
+//! From a study to its cases: pure values, listed before anything runs.
+
+use std::collections::BTreeSet;
+
+use toml::Value;
+
+use crate::spec::override_path;
+use crate::spec::study::{ArmSpec, BlockSpec, MeasureSpec, ProfileSpec, StudySpec, SweepSpec};
+use crate::spec::{SceneSpec, SpecError};
+
+/// One run of a study.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// The arm's id.
+    pub arm: String,
+    /// The block: seed of all random streams.
+    pub block: u64,
+    /// Axis name and number of each axis of the sweep.
+    pub axes: Vec<(String, f64)>,
+    /// The scene in full.
+    pub scene: SceneSpec,
+}
+
+/// A study with its profile applied.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// The study as written.
+    pub spec: StudySpec,
+    /// The profile's name, `default` without one.
+    pub profile: String,
+    /// Measurement of this profile.
+    pub measure: MeasureSpec,
+    /// All cases, by arm, then axes, then block.
+    pub cases: Vec<Case>,
+}
+
+/// More cases than this are refused (chosen: far more than a cluster runs of one study, far less than memory holds).
+const MOST_CASES: usize = 1_000_000;
+/// The profile of a study run without one.
+pub const DEFAULT_PROFILE: &str = "default";
+
+impl Study {
+    /// Expands `spec` under the profile of the given name.
+    ///
+    /// # Errors
+    /// [`SpecError::Value`], naming arm and key.
+    pub fn expand(spec: StudySpec, profile: Option<&str>) -> Result<Self, SpecError> {
+        let name = profile.unwrap_or(DEFAULT_PROFILE);
+        let chosen = profile_of(&spec, profile)?;
+        check_names(&spec, &chosen)?;
+        let mut cases = Vec::new();
+        for arm in spec.arm.iter().filter(|arm| runs(&chosen, arm)) {
+            for axes in combinations(&spec.sweep) {
+                let scene = scene_of(&spec, &chosen, arm, &axes)?;
+                let blocks = blocks_of(&spec, &chosen, arm);
+                if cases.len() as u64 + blocks.count > MOST_CASES as u64 {
+                    let message = format!("more than {MOST_CASES} cases; make the sweep or the blocks fewer");
+                    return Err(SpecError::value(&spec.name, message));
+                }
+                for block in blocks.first..blocks.first + blocks.count {
+                    cases.push(Case {
+                        arm: arm.id.clone(),
+                        block,
+                        axes: axes.iter().map(|axis| (axis.name.clone(), axis.number)).collect(),
+                        scene: SceneSpec { seed: block, ..scene.clone() },
+                    });
+                }
+            }
+        }
+        let measure = chosen.measure.clone().unwrap_or_else(|| spec.measure.clone());
+        Ok(Study { measure, profile: name.to_string(), spec, cases })
+    }
+
+    /// Ids of the arms that are run, in the order of the file.
+    pub fn arms(&self) -> Vec<&str> {
+        let run: BTreeSet<&str> = self.cases.iter().map(|case| case.arm.as_str()).collect();
+        self.spec.arm.iter().map(|arm| arm.id.as_str()).filter(|id| run.contains(id)).collect()
+    }
+
+    /// The words for an arm in figures.
+    pub fn label(&self, arm: &str) -> String {
+        let spec = self.spec.arm.iter().find(|spec| spec.id == arm);
+        spec.and_then(|spec| spec.label.clone()).unwrap_or_else(|| arm.to_string())
+    }
+}
+
+fn profile_of(spec: &StudySpec, profile: Option<&str>) -> Result<ProfileSpec, SpecError> {
+    match profile {
+        None => Ok(spec.profile.get(DEFAULT_PROFILE).cloned().unwrap_or_default()),
+        Some(name) => spec.profile.get(name).cloned().ok_or_else(|| {
+            let known: Vec<_> = spec.profile.keys().map(String::as_str).collect();
+            let message = format!("has no profile `{name}`; it has: {}", known.join(", "));
+            SpecError::value(&spec.name, message)
+        }),
+    }
+}
+
+fn check_names(spec: &StudySpec, profile: &ProfileSpec) -> Result<(), SpecError> {
+    let plain = |name: &str| {
+        !name.is_empty()
+            && name.len() <= 64
+            && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || "-_.".contains(c))
+            && !name.starts_with('.')
+    };
+    let mut seen = BTreeSet::new();
+    for name in std::iter::once(&spec.name).chain(spec.arm.iter().map(|arm| &arm.id)) {
+        if !plain(name) {
+            let message = "names have 1 to 64 of the characters a-z 0-9 - _ . and do not begin with a dot";
+            return Err(SpecError::value(format!("name `{name}`"), message));
+        }
+    }
+    for arm in &spec.arm {
+        if !seen.insert(&arm.id) {
+            return Err(SpecError::value(
+                format!("arm `{}`", arm.id),
+                "stands twice; give each arm its own id",
+            ));
+        }
+    }
+    let known = |id: &String| seen.contains(id);
+    let used = profile.arms.iter().flatten().chain(profile.arm_set.keys());
+    if let Some(id) = used.chain(spec.expect.iter().flat_map(|e| &e.arms)).find(|id| !known(id)) {
+        return Err(SpecError::value(format!("arm `{id}`"), "is not among the study's arms"));
+    }
+    for claim in &spec.claim {
+        claim.validate().map_err(|error| SpecError::value(&spec.name, error.to_string()))?;
+        if let Some(id) = claim.arms().into_iter().find(|id| !known(&id.to_string())) {
+            let message = format!("names the arm `{id}`, which the study does not have");
+            return Err(SpecError::value(format!("claim `{}`", claim.id), message));
+        }
+    }
+    Ok(())
+}
+
+fn runs(profile: &ProfileSpec, arm: &ArmSpec) -> bool {
+    profile.arms.as_ref().is_none_or(|arms| arms.contains(&arm.id))
+}
+
+fn blocks_of(spec: &StudySpec, profile: &ProfileSpec, arm: &ArmSpec) -> BlockSpec {
+    profile.blocks.unwrap_or(BlockSpec { count: arm.blocks.unwrap_or(spec.blocks.count), ..spec.blocks })
+}
+
+/// One point of one axis.
+#[derive(Clone)]
+struct AxisPoint {
+    name: String,
+    path: String,
+    value: Value,
+    number: f64,
+}
+
+/// All combinations of the axes' points, the last axis fastest; one empty combination without axes.
+fn combinations(sweep: &[SweepSpec]) -> Vec<Vec<AxisPoint>> {
+    sweep.iter().fold(vec![Vec::new()], |rows, axis| {
+        let points: Vec<AxisPoint> = axis
+            .values
+            .iter()
+            .enumerate()
+            .map(|(index, value)| AxisPoint {
+                name: axis.name.clone(),
+                path: axis.path.clone(),
+                value: value.clone(),
+                number: axis
+                    .numbers
+                    .as_ref()
+                    .and_then(|n| n.get(index).copied())
+                    .unwrap_or_else(|| number(value)),
+            })
+            .collect();
+        rows.iter()
+            .flat_map(|row| {
+                points.iter().map(move |point| [row.as_slice(), std::slice::from_ref(point)].concat())
+            })
+            .collect()
+    })
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_float().or_else(|| value.as_integer().map(|i| i as f64)).unwrap_or(f64::NAN)
+}
+
+fn scene_of(
+    spec: &StudySpec,
+    profile: &ProfileSpec,
+    arm: &ArmSpec,
+    axes: &[AxisPoint],
+) -> Result<SceneSpec, SpecError> {
+    let mut scene = Value::Table(spec.scene.clone());
+    let place = format!("{}: arm `{}`", spec.name, arm.id);
+    let own = profile.arm_set.get(&arm.id).into_iter().flatten();
+    let settings = profile.set.iter().chain(&arm.set).chain(own);
+    for (path, value) in settings.chain(axes.iter().map(|axis| (&axis.path, &axis.value))) {
+        override_path::set(&mut scene, path, value.clone())
+            .map_err(|message| SpecError::value(format!("{place}, key `{path}`"), message))?;
+    }
+    scene.try_into().map_err(|error: toml::de::Error| SpecError::value(place, error.to_string()))
+}

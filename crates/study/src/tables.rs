@@ -1,0 +1,294 @@
+//! The tables of a study.
+
+use crate::claims::Assessment;
+use crate::results::{CaseResult, Ledger};
+use crate::schedule::Clock;
+use crate::statistics::{Interval, summarise};
+use crate::store::StoreError;
+use crate::table::{Cell, Row, Table};
+
+/// Endpoints that are summarised by arm.
+pub const ENDPOINTS: [&str; 10] = [
+    "ln_neff",
+    "damage",
+    "fragments",
+    "dust",
+    "d50",
+    "crack",
+    "ln_neff_mean_link",
+    "ln_neff_flood",
+    "ln_neff_bonds",
+    "ln_extent",
+];
+/// Confidence of the intervals of the summary.
+const CONFIDENCE: f64 = 0.95;
+
+/// `cases`: one row a case.
+pub fn cases(results: &[CaseResult]) -> Table {
+    Table { name: "cases", rows: results.iter().map(case_row).collect() }
+}
+
+fn identity(row: &mut Row, result: &CaseResult) {
+    row.put("arm", "-", "arm of the study", result.case.arm.as_str());
+    for (name, number) in &result.case.axes {
+        row.number(name, "-", "axis of the sweep", *number);
+    }
+    row.count("block", "seed shared by the arms of a block", result.case.block);
+}
+
+/// One row of `cases`.
+pub fn case_row(result: &CaseResult) -> Row {
+    let mut row = Row::default();
+    identity(&mut row, result);
+    let (record, made) = (&result.record, &result.record.made);
+    row.put("key", "-", "name of the case's folder: hash of scene and solver version", result.key.as_str())
+        .put("outcome", "-", "ok, ok-with-clamps or stopped(reason)", record.outcome.in_words().as_str())
+        .count("particles", "number of particles N", made.particles as u64)
+        .number("particles_per_cell", "-", "particles per cell of the filled space", made.particles_per_cell)
+        .number("porosity", "-", "share of the body that is void", made.porosity)
+        .count("voids", "number of voids", made.voids as u64)
+        .count("void_draws", "draws until a void field was accepted", made.void_draws as u64)
+        .number("mass", "kg/m or kg", "mass of all particles", made.mass);
+    measured(&mut row, result);
+    let last = record.history.last();
+    row.number("time_unit", "s", "R/v, or 1 s", record.time_unit)
+        .put("contact_time", "s", "first step in which an obstacle changed a velocity", record.contact_time)
+        .number("end_time", "s", "time of the measurement", record.end_time)
+        .count("steps", "accepted steps", record.steps)
+        .count("particle_steps", "steps times particles", record.particle_steps)
+        .number("mean_step", "s", "mean time step", record.mean_step)
+        .number("damping", "-", "integral of (1 - a)/dt over time, a the FLIP share", record.damping)
+        .count("rejected_steps", "steps tried and refused", record.rejected_steps)
+        .count("watchdog_restores", "times the watchdog went back to a snapshot", record.watchdog_restores)
+        .count("clamps", "times a particle's J_P met a bound", record.clamps)
+        .put("kinetic", "J/m or J", "kinetic energy at the end", last.map(|h| h.kinetic))
+        .put("elastic", "J/m or J", "elastic energy at the end", last.map(|h| h.elastic))
+        .put("plastic_loss", "J/m or J", "energy lost to plastic flow", last.map(|h| h.plastic_loss))
+        .put(
+            "transfer_loss",
+            "J/m or J",
+            "energy lost between particles and grid",
+            last.map(|h| h.transfer_loss),
+        )
+        .put("contact_loss", "J/m or J", "energy lost in contacts", last.map(|h| h.contact_loss))
+        .put(
+            "impulse",
+            "kg/s or kg m/s",
+            "impulse on the first obstacle along the last axis",
+            impulse(result),
+        )
+        .put("digest", "-", "BLAKE3 of the final state", record.digest.as_str());
+    row
+}
+
+fn impulse(result: &CaseResult) -> Option<f64> {
+    result.record.history.last()?.impulses.first()?.last().copied()
+}
+
+fn measured(row: &mut Row, result: &CaseResult) {
+    let m = result.metrics.as_ref();
+    let end = m.map(|m| m.end);
+    let flag = |value: Option<bool>| value.map_or(Cell::Missing, Cell::Flag);
+    let count = |value: Option<usize>| value.map_or(Cell::Missing, |v| Cell::Count(v as u64));
+    row.put(
+        "gate",
+        "-",
+        "whether the metric sees the bodies that were built, at t = 0",
+        flag(m.map(|m| m.gate_valid)),
+    )
+    .put("settled", "-", "whether M1/M has come to rest", flag(m.map(|m| m.settled)))
+    .put("fragments", "-", "N_f: components of at least the cut", count(end.map(|e| e.fragments)))
+    .put("components", "-", "all components, friends-of-friends", count(end.map(|e| e.components)))
+    .put("ln_neff", "-", "A = ln N_eff, all particles", end.map(|e| e.ln_neff))
+    .put("damage", "-", "D = 1 - M1/M", end.map(|e| e.damage))
+    .put("dust", "-", "share of the mass in components below the cut", end.map(|e| e.dust))
+    .put("d50", "m", "equivalent diameter of the mass-weighted median fragment", end.map(|e| e.d50))
+    .put("crack", "m or m^2", "crack length (area) from cut bonds", m.and_then(|m| m.crack))
+    .put(
+        "ln_neff_mean_link",
+        "-",
+        "mean of A over nine links in [2, 4] h_max",
+        m.map(|m| m.ln_neff_mean_link),
+    )
+    .put("ln_neff_long_link", "-", "A at link 3 h_max", m.map(|m| m.ln_neff_long_link))
+    .put("ln_neff_flood", "-", "A by flood fill", m.map(|m| m.ln_neff_flood))
+    .put("ln_neff_bonds", "-", "A by the bond graph", m.map(|m| m.ln_neff_bonds))
+    .put("ln_neff_kernel", "-", "A by the kernel graph", m.map(|m| m.ln_neff_kernel))
+    .put("ln_neff_earlier", "-", "A one settle window earlier", m.map(|m| m.ln_neff_earlier))
+    .put("ln_extent", "-", "ln of the horizontal width of 90 % of the mass [m]", m.map(|m| m.ln_extent))
+    .put("run_out", "m", "horizontal distance that 95 % of the mass stay within", m.map(|m| m.run_out))
+    .put("loosened_1_05", "-", "share of the mass with J_P > 1.05", m.map(|m| m.loosened[0]))
+    .put("loosened_1_3", "-", "share of the mass with J_P > 1.3", m.map(|m| m.loosened[1]))
+    .put("loosened_2", "-", "share of the mass with J_P > 2", m.map(|m| m.loosened[2]));
+}
+
+/// `fragments`: one row a fragment of at least the cut.
+pub fn fragments(results: &[CaseResult]) -> Table {
+    let mut rows = Vec::new();
+    for result in results {
+        for (rank, &share) in result.metrics.iter().flat_map(|m| &m.sizes).enumerate() {
+            let mut row = Row::default();
+            identity(&mut row, result);
+            row.count("rank", "1 for the heaviest fragment of the case", rank as u64 + 1)
+                .number("mass_share", "-", "mass of the fragment over the mass of the case", share)
+                .number("mass", "kg/m or kg", "mass of the fragment", share * result.record.made.mass);
+            rows.push(row);
+        }
+    }
+    Table { name: "fragments", rows }
+}
+
+/// `frames`: one row a frame and case.
+pub fn frames(results: &[CaseResult]) -> Table {
+    let mut rows = Vec::new();
+    for result in results {
+        let series = result.metrics.iter().flat_map(|m| &m.series);
+        for (at, ledger) in series.zip(&result.record.history) {
+            let f = &at.fragments;
+            let mut row = Row::default();
+            identity(&mut row, result);
+            row.number("time", "s", "time", at.time)
+                .number(
+                    "since_contact",
+                    "R/v or s",
+                    "time since contact in units of the output",
+                    at.since_contact,
+                )
+                .count("steps", "steps taken", ledger.steps)
+                .count("fragments", "N_f: components of at least the cut", f.fragments as u64)
+                .number("ln_neff", "-", "A = ln N_eff", f.ln_neff)
+                .number("damage", "-", "D = 1 - M1/M", f.damage)
+                .number("dust", "-", "share of the mass in components below the cut", f.dust)
+                .number("kinetic", "J/m or J", "kinetic energy", ledger.kinetic)
+                .number("elastic", "J/m or J", "elastic energy", ledger.elastic)
+                .number("potential", "J/m or J", "potential energy", ledger.potential)
+                .number("plastic_loss", "J/m or J", "lost to plastic flow so far", ledger.plastic_loss)
+                .number(
+                    "transfer_loss",
+                    "J/m or J",
+                    "lost between particles and grid so far",
+                    ledger.transfer_loss,
+                )
+                .number("contact_loss", "J/m or J", "lost in contacts so far", ledger.contact_loss);
+            rows.push(row);
+        }
+    }
+    Table { name: "frames", rows }
+}
+
+/// `summary`: one row an arm (and point of the sweep) and endpoint, over the cases that can be used.
+pub fn summary(results: &[CaseResult]) -> Table {
+    let mut rows = Vec::new();
+    for group in groups(results) {
+        let case_rows: Vec<Row> = group.iter().filter(|r| usable(r)).map(|r| case_row(r)).collect();
+        for endpoint in ENDPOINTS {
+            let values: Vec<f64> = case_rows.iter().filter_map(|row| row.value(endpoint)).collect();
+            let Some(s) = summarise(&values, CONFIDENCE) else { continue };
+            let bound = |pick: fn(&Interval) -> f64| s.interval.as_ref().map(pick);
+            let mut row = Row::default();
+            row.put("arm", "-", "arm of the study", group[0].case.arm.as_str());
+            for (name, number) in &group[0].case.axes {
+                row.number(name, "-", "axis of the sweep", *number);
+            }
+            row.put("endpoint", "-", "column of `cases`", endpoint)
+                .count("cases", "cases run", group.len() as u64)
+                .count("used", "cases that ended well, passed the gate and have the endpoint", s.count as u64)
+                .number("mean", "of the endpoint", "mean", s.mean)
+                .put("sd", "of the endpoint", "standard deviation", s.standard_deviation)
+                .put(
+                    "lower",
+                    "of the endpoint",
+                    "lower end of the 95 % t interval of the mean",
+                    bound(|i| i.lower),
+                )
+                .put(
+                    "upper",
+                    "of the endpoint",
+                    "upper end of the 95 % t interval of the mean",
+                    bound(|i| i.upper),
+                )
+                .number("least", "of the endpoint", "least value", s.minimum)
+                .number("median", "of the endpoint", "median", s.median)
+                .number("greatest", "of the endpoint", "greatest value", s.maximum);
+            rows.push(row);
+        }
+    }
+    Table { name: "summary", rows }
+}
+
+/// Whether a case ended well and its metric may be believed.
+pub fn usable(result: &CaseResult) -> bool {
+    result.metrics.as_ref().is_some_and(|m| m.gate_valid)
+}
+
+/// Results of the same arm and point of the sweep, in the order of the study.
+pub fn groups(results: &[CaseResult]) -> Vec<Vec<&CaseResult>> {
+    let mut groups: Vec<Vec<&CaseResult>> = Vec::new();
+    for result in results {
+        match groups.last_mut() {
+            Some(group) if group[0].case.arm == result.case.arm && group[0].case.axes == result.case.axes => {
+                group.push(result);
+            }
+            _ => groups.push(vec![result]),
+        }
+    }
+    groups
+}
+
+/// `claims`: one row a claim.
+pub fn claims(assessments: &[(String, Assessment)]) -> Table {
+    let rows = assessments.iter().map(|(sentence, a)| {
+        let e = &a.evidence;
+        let lower = |i: Option<Interval>| i.map(|i| i.lower);
+        let upper = |i: Option<Interval>| i.map(|i| i.upper);
+        let mut row = Row::default();
+        row.put("claim", "-", "id of the claim", a.claim.as_str())
+            .put("sentence", "-", "what PS17 says, in our words", sentence.as_str())
+            .put("verdict", "-", "by the mechanical rule", a.verdict.to_string().as_str())
+            .count("blocks", "complete blocks", e.blocks as u64)
+            .count("lost_blocks", "blocks dropped because a case in them was lost", a.lost_blocks as u64)
+            .put("effect", "ln N_eff", "mean of d over blocks, positive in PS17's direction", e.effect)
+            .put("sd", "ln N_eff", "standard deviation of d over blocks", e.standard_deviation)
+            .number("confidence", "-", "confidence of the intervals, 1 - 0.05/m", e.confidence)
+            .put("lower_t", "ln N_eff", "lower end of the studentised interval", lower(e.interval_t))
+            .put("upper_t", "ln N_eff", "upper end of the studentised interval", upper(e.interval_t))
+            .put("lower_bca", "ln N_eff", "lower end of the BCa interval", lower(e.interval_bca))
+            .put("upper_bca", "ln N_eff", "upper end of the BCa interval", upper(e.interval_bca))
+            .put("upper_one_sided_t", "ln N_eff", "one-sided 95 % upper bound, studentised", e.upper_t)
+            .put("upper_one_sided_bca", "ln N_eff", "one-sided 95 % upper bound, BCa", e.upper_bca)
+            .put("p", "-", "sign flips or permutations within blocks", e.p_value)
+            .put("p_holm", "-", "adjusted over the family by Holm", e.p_holm)
+            .put("cliffs_delta", "-", "Cliff's delta of the extreme arms, descriptive", e.cliffs_delta)
+            .put("explanation", "-", "the rule that decided, with its numbers", a.explanation.as_str());
+        row
+    });
+    Table { name: "claims", rows: rows.collect() }
+}
+
+/// `timings`: the only table that knows a clock.
+///
+/// # Errors
+/// A clock that cannot be read.
+pub fn timings(ledger: &Ledger, results: &[CaseResult]) -> Result<Table, StoreError> {
+    let mut rows = Vec::new();
+    for result in results {
+        let folder = ledger.store.case(&result.key);
+        let clock = folder.read_json::<Clock>("clock.json")?;
+        let per_step =
+            clock.as_ref().map(|c| c.wall_seconds * 1e9 / result.record.particle_steps.max(1) as f64);
+        let mut row = Row::default();
+        identity(&mut row, result);
+        row.put("wall_seconds", "s", "wall time of the case", clock.as_ref().map(|c| c.wall_seconds))
+            .put("ns_per_particle_step", "ns", "wall time over particle-steps, measuring included", per_step)
+            .put(
+                "peak_memory",
+                "bytes",
+                "peak memory of the process so far",
+                clock.as_ref().map(|c| c.peak_memory as f64),
+            )
+            .put("jobs", "-", "cases run side by side", clock.as_ref().map(|c| c.jobs as f64))
+            .put("host", "-", "machine", clock.as_ref().map_or("", |c| c.host.as_str()));
+        rows.push(row);
+    }
+    Ok(Table { name: "timings", rows })
+}
