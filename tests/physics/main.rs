@@ -7,6 +7,7 @@ mod edge_cases;
 mod equivariance;
 mod kernels;
 mod material;
+mod mirrors;
 mod restart;
 mod sparse_grid;
 mod support;
