@@ -1,15 +1,16 @@
 //! Planes of symmetry on rows of nodes: what falls on nodes beyond the plane is folded back with its normal component
-//! reversed, and the motion is reflected out again, so that the material sees its own mirror image.
+//! reversed, and the motion is reflected out again, so that the material sees its own mirror image. Nodes on the plane keep their
+//! own sums and do not move along its normal.
 
 use crate::collision::{Contact, MirrorPlane};
 use crate::error::SceneError;
 use crate::geometry::{Vector, unit};
-use crate::grid::{Grid, NodeSums};
+use crate::grid::{Grid, NodeMotion, NodeSums};
 use crate::ledger::StepLedger;
 use crate::real::Real;
 use crate::scene::Scene;
 
-/// A node on or beyond a mirror, the node it is folded onto (itself, on the plane), and the sums both had before.
+/// A node beyond a mirror and the node it is folded onto, or twice the same node on the plane, with the sums before.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fold<T: Real, const D: usize> {
     outer: usize,
@@ -28,75 +29,114 @@ pub(crate) fn planes<T: Real, const D: usize>(
     mirrors.map(|(number, c)| Ok((number, c.mirror_plane(scene.spacing)?))).collect()
 }
 
-/// Folds sums onto the material's side. Nodes beyond two planes go over one after the other.
+/// Folds sums onto the material's side: nodes beyond two planes go over one after the other. Then holds the nodes on the planes, last,
+/// since a mirror one cell away folds onto them.
 pub(crate) fn fold<T: Real, const D: usize>(
     planes: &[(usize, MirrorPlane)],
     grid: &mut Grid<T, D>,
+    gravity: &Vector<T, D>,
     folds: &mut Vec<Fold<T, D>>,
 ) {
     folds.clear();
-    for &(collider, plane) in planes {
-        for outer in 0..grid.node_count() {
-            let mut image = grid.coordinates(outer);
-            let depth = image[plane.axis] - plane.node;
-            let beyond = if plane.material_above { depth <= 0 } else { depth >= 0 };
-            if !beyond || grid.sums[outer].mass == T::zero() {
-                continue;
-            }
-            image[plane.axis] = plane.node - depth;
-            // A stencil that begins within the material holds the image of each of its nodes beyond the plane.
-            let Some(inner) = grid.find(image) else { continue };
-            let (own_outer, own_inner) = (grid.sums[outer], grid.sums[inner]);
-            folds.push(Fold { outer, inner, own_outer, own_inner, axis: plane.axis, collider });
-            let sums = &mut grid.sums[inner];
-            sums.mass += own_outer.mass;
-            sums.momentum += reflect(&own_outer.momentum, plane.axis);
-            sums.force += reflect(&own_outer.force, plane.axis);
-            if outer != inner {
-                grid.sums[outer] = NodeSums::empty();
+    for beyond in [true, false] {
+        for &(collider, plane) in planes {
+            for outer in 0..grid.node_count() {
+                let mut image = grid.coordinates(outer);
+                let above = image[plane.axis] - plane.node;
+                let depth = if plane.material_above { -above } else { above };
+                let concerned = if beyond { depth > 0 } else { depth == 0 };
+                if !concerned || grid.sums[outer].mass == T::zero() {
+                    continue;
+                }
+                image[plane.axis] = plane.node - above;
+                // A stencil that begins within the material holds the image of each of its nodes beyond the plane.
+                let Some(inner) = grid.find(image) else { continue };
+                let (own_outer, own_inner) = (grid.sums[outer], grid.sums[inner]);
+                folds.push(Fold { outer, inner, own_outer, own_inner, axis: plane.axis, collider });
+                if beyond {
+                    fold_onto(grid, outer, inner, plane.axis, gravity);
+                } else {
+                    hold(&mut grid.sums[outer], plane.axis, gravity);
+                }
             }
         }
     }
 }
 
-/// Reflects the motion of folded nodes out again, restores their own sums, and books the mirror's impulse: what the
-/// momentum of the nodes' own material gained beyond its internal forces and gravity.
+/// Adds the image of node `outer` to node `inner`. The image falls the other way: its weight less that of its mass where it
+/// now lies is added to the force.
+fn fold_onto<T: Real, const D: usize>(
+    grid: &mut Grid<T, D>,
+    outer: usize,
+    inner: usize,
+    axis: usize,
+    gravity: &Vector<T, D>,
+) {
+    let own = grid.sums[outer];
+    let sums = &mut grid.sums[inner];
+    sums.mass += own.mass;
+    sums.momentum += reflect(&own.momentum, axis);
+    sums.force += reflect(&own.force, axis) + (reflect(gravity, axis) - gravity) * own.mass;
+    grid.sums[outer] = NodeSums::empty();
+}
+
+/// Takes momentum and force along `axis` from a node on the plane, its weight included.
+fn hold<T: Real, const D: usize>(sums: &mut NodeSums<T, D>, axis: usize, gravity: &Vector<T, D>) {
+    sums.momentum[axis] = T::zero();
+    sums.force[axis] = -gravity[axis] * sums.mass;
+}
+
+/// Reflects the motion of folded nodes out again, restores their own sums, and books the mirror's impulse. `share` is the FLIP share a.
 pub(crate) fn unfold<T: Real, const D: usize>(
     folds: &[Fold<T, D>],
     grid: &mut Grid<T, D>,
     gravity: &Vector<T, D>,
     dt: T,
+    share: T,
     ledger: &mut StepLedger<D>,
 ) {
+    let still = Vector::zeros();
+    let gain = |own: &NodeSums<T, D>, motion: &NodeMotion<T, D>, axis: usize| {
+        unit::<T, D>(axis) * momentum_gain(own, motion, axis, dt * gravity[axis], dt, share)
+    };
     for fold in folds.iter().rev() {
-        let inner = grid.motion[fold.inner];
-        let image = |v: &Vector<T, D>| if fold.outer == fold.inner { *v } else { reflect(v, fold.axis) };
-        grid.motion[fold.outer].velocity = image(&inner.velocity);
-        grid.motion[fold.outer].change = image(&inner.change);
-        let mut gain = balance(&fold.own_outer, &grid.motion[fold.outer].velocity, gravity, dt);
-        if fold.outer != fold.inner {
-            gain += balance(&fold.own_inner, &inner.velocity, gravity, dt);
+        let axis = fold.axis;
+        if fold.outer == fold.inner {
+            let motion = &mut grid.motion[fold.inner];
+            // Another obstacle may have pushed the node off the plane; the mirror takes that back.
+            let pushed = unit::<T, D>(axis) * motion.velocity[axis];
+            motion.velocity -= pushed;
+            motion.change[axis] = T::zero();
+            ledger.push(fold.collider, &(-pushed * fold.own_inner.mass), &pushed, &still);
+            ledger.push(fold.collider, &gain(&fold.own_inner, motion, axis), &still, &still);
+        } else {
+            let inner = grid.motion[fold.inner];
+            let outer = &mut grid.motion[fold.outer];
+            outer.velocity = reflect(&inner.velocity, axis);
+            outer.change = reflect(&inner.change, axis);
+            // All that shares the inner node gains nothing together beyond its internal forces and gravity (and what other obstacles
+            // book): what the image of the outer part gains, the rest loses. Seen from outside both gain the same.
+            let outside = gain(&fold.own_outer, outer, axis);
+            ledger.push(fold.collider, &(outside + outside), &still, &still);
         }
-        // A mirror pushes along its normal only; what else the nodes gained came from other mirrors.
-        ledger.push(
-            fold.collider,
-            &(unit::<T, D>(fold.axis) * gain[fold.axis]),
-            &Vector::zeros(),
-            &Vector::zeros(),
-        );
         grid.sums[fold.inner] = fold.own_inner;
         grid.sums[fold.outer] = fold.own_outer;
     }
 }
 
-/// Momentum gained by a node's own material in a step beyond internal forces and gravity.
-fn balance<T: Real, const D: usize>(
+/// What the particles' momentum along `axis` gains through a node in a step, beyond internal forces and gravity. PIC and APIC hand back
+/// m v^{n+1} for the momentum they gave; FLIP hands back m (v^{n+1} - v^n), where v^n is the folded one.
+fn momentum_gain<T: Real, const D: usize>(
     own: &NodeSums<T, D>,
-    velocity: &Vector<T, D>,
-    gravity: &Vector<T, D>,
+    motion: &NodeMotion<T, D>,
+    axis: usize,
+    fall: T,
     dt: T,
-) -> Vector<T, D> {
-    velocity * own.mass - own.momentum - (own.force + gravity * own.mass) * dt
+    share: T,
+) -> T {
+    let start = motion.velocity[axis] - motion.change[axis];
+    let given = own.momentum[axis] * (T::one() - share) + start * own.mass * share;
+    (motion.velocity[axis] - fall) * own.mass - given - own.force[axis] * dt
 }
 
 fn reflect<T: Real, const D: usize>(v: &Vector<T, D>, axis: usize) -> Vector<T, D> {

@@ -10,6 +10,9 @@ pub trait Real: RealField + Copy {
     /// A node whose mass is below this share of the lightest particle's mass counts as empty (chosen: far above the
     /// denormal numbers, so that momentum / mass keeps its relative precision, far below what a result can show).
     const EMPTY_NODE_SHARE: f64;
+    /// Sums of squares between this and its inverse have lost nothing to underflow or overflow (chosen: a power of ten well inside the
+    /// range of normal numbers times 1 / epsilon).
+    const LEAST_SQUARE: f64;
 
     /// The value nearest to `x`.
     fn of(x: f64) -> Self;
@@ -25,6 +28,7 @@ pub trait Real: RealField + Copy {
 
 impl Real for f64 {
     const EMPTY_NODE_SHARE: f64 = 1e-30;
+    const LEAST_SQUARE: f64 = 1e-280;
 
     #[inline(always)]
     fn of(x: f64) -> Self {
@@ -52,6 +56,7 @@ impl Real for f64 {
 
 impl Real for f32 {
     const EMPTY_NODE_SHARE: f64 = 1e-20;
+    const LEAST_SQUARE: f64 = 1e-28;
 
     #[inline(always)]
     fn of(x: f64) -> Self {

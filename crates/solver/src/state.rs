@@ -25,7 +25,7 @@ pub struct State<T: Real, const D: usize> {
     pub constants: ParticleConstants<T>,
     /// Sums over the run.
     pub ledger: Ledger<D>,
-    /// When an obstacle first changed a velocity [s].
+    /// When an obstacle, mirrors not counted, first changed a velocity [s].
     pub first_contact: Option<f64>,
     /// Factor on C_wave; the watchdog halves it.
     pub step_factor: f64,

@@ -1,6 +1,6 @@
 //! One explicit step, in the order of S13 section 4.1.
 
-use crate::collision::{Interval, MirrorPlane, collide_grid, collide_particles};
+use crate::collision::{Contact, Interval, MirrorPlane, collide_grid, collide_particles};
 use crate::deformation::{internal_stress, update_deformation};
 use crate::diagnostics::kinetic_energy;
 use crate::error::{Rejection, RejectionReason, SceneError};
@@ -74,11 +74,11 @@ pub fn step<T: Real, const D: usize>(
     place_stencils(scene, motion, grid);
     internal_stress(scene, motion, constants, stress);
     particles_to_grid(scene, motion, constants, stress, grid);
+    mirror::fold(mirrors, grid, &scene.gravity, folds);
     ledger.kinetic_grid_before = kinetic_of_sums(grid, empty);
-    mirror::fold(mirrors, grid, folds);
     update_grid_velocity(grid, &scene.gravity, dt_t, empty, &mut ledger);
     collide_grid(scene, grid, now, empty, &mut ledger);
-    mirror::unfold(folds, grid, &scene.gravity, dt_t, &mut ledger);
+    mirror::unfold(folds, grid, &scene.gravity, dt_t, T::of(share.unwrap_or(0.0)), &mut ledger);
     ledger.kinetic_grid_after = kinetic_of_motion(grid);
     grid_to_particles(scene, motion, grid, gathered);
     update_deformation(scene, motion, constants, &gathered.gradient, dt_t, next, &mut ledger)?;
@@ -153,7 +153,9 @@ fn accept<T: Real, const D: usize>(
 ) {
     let velocities: Vec<_> = scene.colliders.iter().map(|c| c.velocity.map(|v| v.as_f64())).collect();
     state.ledger.add(step, &velocities);
-    if state.first_contact.is_none() && step.colliders.iter().any(|c| !is_zero(&c.impulse)) {
+    let mut obstacles =
+        scene.colliders.iter().zip(&step.colliders).filter(|(c, _)| c.contact != Contact::Mirror);
+    if state.first_contact.is_none() && obstacles.any(|(_, entry)| !is_zero(&entry.impulse)) {
         state.first_contact = Some(state.time);
     }
     state.time += dt;
