@@ -1,0 +1,168 @@
+//! Points in files: CSV and PLY, read and written.
+//!
+//! Both formats name their columns (PLY: properties of `vertex`): `x y [z]`, `vx vy [vz]`, `mass`; others are passed
+//! over. Velocities are taken where there is one for every coordinate of the file.
+//!
+//! **2D or 3D.** Points are 3D where some `z` or `vz` differs from 0, else 2D: most programs write a `z` whether they
+//! need it or not, and some refuse a PLY without one. So a file with z = 0 throughout, a file of no points and a file
+//! without `z` are all 2D, and a plane at any other height is 3D. Either kind may still be asked for: a file that has a
+//! `z` can always be read in 3D.
+//!
+//! A file is refused whole: no point that is NaN or infinite, no line that cannot be understood is passed over in
+//! silence. Memory stays in proportion to the bytes the file really has, whatever its header promises.
+
+mod columns;
+mod csv;
+mod lines;
+mod ply;
+mod ply_header;
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use snowlab_solver::Vector;
+use thiserror::Error;
+
+use columns::Table;
+
+/// Points read from a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PointCloud<const D: usize> {
+    /// Positions [m].
+    pub positions: Vec<Vector<f64, D>>,
+    /// Velocities [m/s], one per position, where the file has them.
+    pub velocities: Option<Vec<Vector<f64, D>>>,
+    /// Masses [kg] above 0, one per position, where the file has them.
+    pub masses: Option<Vec<f64>>,
+}
+
+/// Points whose dimension the file has decided.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AnyPointCloud {
+    /// Every z is 0, or there is none.
+    Two(PointCloud<2>),
+    /// Some z differs from 0.
+    Three(PointCloud<3>),
+}
+
+/// A file of points that cannot be used.
+#[derive(Debug, Error)]
+pub enum PointsError {
+    /// It cannot be read or written.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// It is not what its name says, or the points cannot be put into a file.
+    #[error("{}{}: {message}", path.display(), of_line(*line))]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// Line, counted from 1; 0 for the file as a whole and for binary data, where the message names the vertex.
+        line: u64,
+        /// What is wrong, what is allowed and what to do.
+        message: String,
+    },
+}
+
+/// Reads a CSV or PLY file, told apart by its ending, as points in 2 or 3 dimensions.
+///
+/// # Errors
+/// [`PointsError`], naming file and line or vertex; also a file with a z other than 0 read in 2D, and one without z
+/// read in 3D.
+pub fn read<const D: usize>(path: &Path) -> Result<PointCloud<D>, PointsError> {
+    const { assert!(D == 2 || D == 3) };
+    read_table(path)?.into_cloud().map_err(|(line, message)| format_error(path, line, message))
+}
+
+/// Reads a CSV or PLY file in the [`dimension`] it has.
+///
+/// # Errors
+/// [`PointsError`], naming file and line or vertex.
+pub fn read_any(path: &Path) -> Result<AnyPointCloud, PointsError> {
+    let table = read_table(path)?;
+    let refused = |(line, message)| format_error(path, line, message);
+    Ok(match table.dimension() {
+        2 => AnyPointCloud::Two(table.into_cloud().map_err(refused)?),
+        _ => AnyPointCloud::Three(table.into_cloud().map_err(refused)?),
+    })
+}
+
+/// The number of coordinates that the points of a file have: 3 where some z or vz differs from 0, else 2. Reads the
+/// whole file; [`read_any`] returns the points too.
+///
+/// # Errors
+/// [`PointsError`].
+pub fn dimension(path: &Path) -> Result<usize, PointsError> {
+    Ok(read_table(path)?.dimension())
+}
+
+/// Writes positions [m] as CSV or binary PLY, told apart by the ending. See [`write_cloud`].
+///
+/// # Errors
+/// [`PointsError`].
+pub fn write<const D: usize>(path: &Path, positions: &[Vector<f64, D>]) -> Result<(), PointsError> {
+    write_columns(path, positions, None, None)
+}
+
+/// Writes points with the velocities and masses they have, as CSV or binary PLY, told apart by the ending.
+///
+/// CSV has as many digits as bring back the same bits, and `x,y` in 2D. PLY is binary little-endian, `double`, with
+/// z = 0 (and vz = 0) in 2D, since common readers (meshio 5.3 for one) fail without `z`.
+///
+/// # Errors
+/// [`PointsError`]: the file cannot be written, its ending is unknown, a number is not finite (it could not be read
+/// back), or velocities or masses are not one per position.
+pub fn write_cloud<const D: usize>(path: &Path, cloud: &PointCloud<D>) -> Result<(), PointsError> {
+    write_columns(path, &cloud.positions, cloud.velocities.as_deref(), cloud.masses.as_deref())
+}
+
+fn read_table(path: &Path) -> Result<Table, PointsError> {
+    match extension(path).as_str() {
+        "csv" => csv::read(path),
+        "ply" => ply::read(path),
+        other => Err(unknown(path, other)),
+    }
+}
+
+fn write_columns<const D: usize>(
+    path: &Path,
+    positions: &[Vector<f64, D>],
+    velocities: Option<&[Vector<f64, D>]>,
+    masses: Option<&[f64]>,
+) -> Result<(), PointsError> {
+    const { assert!(D == 2 || D == 3) };
+    let form = match extension(path).as_str() {
+        "csv" => csv::write,
+        "ply" => ply::write,
+        other => return Err(unknown(path, other)),
+    };
+    columns::check(positions, velocities, masses).map_err(|message| format_error(path, 0, message))?;
+    let save = || -> std::io::Result<()> {
+        let mut file = BufWriter::new(File::create(path)?);
+        form(&mut file, positions, velocities, masses)?;
+        file.flush()
+    };
+    save().map_err(|source| PointsError::Io { path: path.into(), source })
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+fn unknown(path: &Path, extension: &str) -> PointsError {
+    let found = if extension.is_empty() { "a name without ending".into() } else { format!("`.{extension}`") };
+    format_error(path, 0, format!("{found} is not a format of points; use .csv or .ply"))
+}
+
+fn format_error(path: &Path, line: u64, message: impl Into<String>) -> PointsError {
+    PointsError::Format { path: path.into(), line, message: message.into() }
+}
+
+fn of_line(line: u64) -> String {
+    if line == 0 { String::new() } else { format!(", line {line}") }
+}
