@@ -64,7 +64,7 @@ pub enum Command {
         #[arg(long)]
         link: f64,
         /// Fragments lighter than this share of the whole count as dust
-        #[arg(long, default_value_t = snowlab_study::metrics::gate::DUST_CUT)]
+        #[arg(long, default_value_t = snowlab_study::fragments_command::DEFAULT_MIN_MASS_SHARE)]
         min_mass_share: f64,
         /// Print JSON
         #[arg(long)]
