@@ -27,26 +27,38 @@ pub struct Gates {
     pub words: Vec<String>,
 }
 
-/// Judges all claims of a study, with the sentences they judge.
+/// A claim with its verdict.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// `claim` or `control`: the family it belongs to.
+    pub family: &'static str,
+    /// The claim.
+    pub claim: Claim,
+    /// What the rule says of it.
+    pub assessment: Assessment,
+}
+
+/// Judges the claims and the controls of a study, each a family of its own. A claim with an arm that the profile leaves out
+/// is left out.
 ///
 /// # Errors
 /// Frames that cannot be read.
-pub fn assess_claims(
-    ledger: &Ledger,
-    results: &[CaseResult],
-) -> anyhow::Result<(Vec<(String, Assessment)>, Gates)> {
-    let claims = &ledger.study.spec.claim;
+pub fn assess_claims(ledger: &Ledger, results: &[CaseResult]) -> anyhow::Result<(Vec<Judged>, Gates)> {
+    let spec = &ledger.study.spec;
     let gates = gates(ledger, results)?;
-    let mut members = Vec::new();
-    for claim in claims {
-        // A profile that leaves an arm out leaves its claims out.
-        if claim.arms().iter().all(|arm| results.iter().any(|r| r.case.arm == *arm)) {
-            members.push((claim.clone(), observations(ledger, results, claim, gates.conditions)?));
+    let mut judged = Vec::new();
+    for (family, claims) in [("claim", &spec.claim), ("control", &spec.control)] {
+        let mut members = Vec::new();
+        for claim in claims {
+            if claim.arms().iter().all(|arm| results.iter().any(|r| r.case.arm == *arm)) {
+                members.push((claim.clone(), observations(ledger, results, claim, gates.conditions)?));
+            }
         }
+        let assessments = assess_family(&members, Resampling::standard(RESAMPLING_SEED))?;
+        let claims = members.into_iter().map(|(claim, _)| claim);
+        judged.extend(claims.zip(assessments).map(|(claim, assessment)| Judged { family, claim, assessment }));
     }
-    let assessments = assess_family(&members, Resampling::standard(RESAMPLING_SEED))?;
-    let sentences = members.into_iter().map(|(claim, _)| claim.sentence);
-    Ok((sentences.zip(assessments).collect(), gates))
+    Ok((judged, gates))
 }
 
 fn observations(

@@ -118,11 +118,11 @@ fn check_names(spec: &StudySpec, profile: &ProfileSpec) -> Result<(), SpecError>
         }
     }
     let known = |id: &String| seen.contains(id);
-    let used = profile.arms.iter().flatten().chain(profile.arm_set.keys());
+    let used = profile.arms.iter().flatten().chain(profile.arm_set.keys()).chain(&spec.noise_floor);
     if let Some(id) = used.chain(spec.expect.iter().flat_map(|e| &e.arms)).find(|id| !known(id)) {
         return Err(SpecError::value(format!("arm `{id}`"), "is not among the study's arms"));
     }
-    for claim in &spec.claim {
+    for claim in spec.claim.iter().chain(&spec.control) {
         claim.validate().map_err(|error| SpecError::value(&spec.name, error.to_string()))?;
         if let Some(id) = claim.arms().into_iter().find(|id| !known(&id.to_string())) {
             let message = format!("names the arm `{id}`, which the study does not have");

@@ -1,6 +1,6 @@
 //! The tables of a study.
 
-use crate::claims::Assessment;
+use crate::evaluate::Judged;
 use crate::results::{CaseResult, Ledger};
 use crate::schedule::Clock;
 use crate::statistics::{Interval, summarise};
@@ -236,14 +236,15 @@ pub fn groups(results: &[CaseResult]) -> Vec<Vec<&CaseResult>> {
 }
 
 /// `claims`: one row a claim.
-pub fn claims(assessments: &[(String, Assessment)]) -> Table {
-    let rows = assessments.iter().map(|(sentence, a)| {
+pub fn claims(judged: &[Judged]) -> Table {
+    let rows = judged.iter().map(|Judged { family, claim, assessment: a }| {
         let e = &a.evidence;
         let lower = |i: Option<Interval>| i.map(|i| i.lower);
         let upper = |i: Option<Interval>| i.map(|i| i.upper);
         let mut row = Row::default();
-        row.put("claim", "-", "id of the claim", a.claim.as_str())
-            .put("sentence", "-", "what PS17 says, in our words", sentence.as_str())
+        row.put("family", "-", "claim or control", *family)
+            .put("claim", "-", "id of the claim", a.claim.as_str())
+            .put("sentence", "-", "what is claimed, in our words", claim.sentence.as_str())
             .put("verdict", "-", "by the mechanical rule", a.verdict.to_string().as_str())
             .count("blocks", "complete blocks", e.blocks as u64)
             .count("lost_blocks", "blocks dropped because a case in them was lost", a.lost_blocks as u64)

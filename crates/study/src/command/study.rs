@@ -81,11 +81,9 @@ pub fn report(arguments: &StudyArguments) -> anyhow::Result<Exit> {
         "{}: nothing has been run; run `snowlab run` first",
         study.spec.name
     );
-    let (assessments, gates) = assess_claims(&ledger, &results)?;
-    write_tables(&ledger, &results, &[tables::claims(&assessments)])?;
-    for (_, assessment) in &assessments {
-        println!("{assessment}");
-    }
+    let (judged, gates) = assess_claims(&ledger, &results)?;
+    write_tables(&ledger, &results, &[tables::claims(&judged)])?;
+    judged.iter().for_each(|judged| println!("{}", judged.assessment));
     gates.words.iter().for_each(|line| println!("{line}"));
     if missing > 0 {
         eprintln!("{missing} cases have not been run; run `snowlab run` to complete the study");

@@ -31,9 +31,12 @@ pub struct StudySpec {
     /// Arms that nothing can break (an elastic ball, a ball at rest): the claims need them to read as one piece.
     #[serde(default)]
     pub noise_floor: Vec<String>,
-    /// Claims judged from the arms.
+    /// Claims judged from the arms: one family.
     #[serde(default)]
     pub claim: Vec<Claim>,
+    /// Controls judged from the arms: a second family.
+    #[serde(default)]
+    pub control: Vec<Claim>,
     /// Ranges that the results must lie in.
     #[serde(default)]
     pub expect: Vec<ExpectSpec>,
@@ -67,9 +70,9 @@ pub struct ArmSpec {
     /// Number of blocks, where it differs from the study's.
     #[serde(default)]
     pub blocks: Option<u64>,
-    /// Whether the arm's frames make the snowball figures.
+    /// Name of the figure in which the arm's first block is pictured before and after; none when left out.
     #[serde(default)]
-    pub pictured: bool,
+    pub picture: Option<String>,
 }
 
 /// One axis of a sweep.
