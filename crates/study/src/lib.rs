@@ -1,1 +1,3 @@
 //! The laboratory: sweeps, fragments, statistics, tables, figures and reports.
+
+pub mod figure;
