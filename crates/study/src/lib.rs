@@ -1,3 +1,4 @@
 //! The laboratory: sweeps, fragments, statistics, tables, figures and reports.
 
 pub mod figure;
+pub mod report;
