@@ -23,3 +23,6 @@ pub mod store;
 pub mod sweep;
 pub mod table;
 pub mod tables;
+
+pub mod figure;
+pub mod report;
