@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use snowlab_study::evaluate::assess_claims;
+use snowlab_study::present::{Findings, Provenance, present, revision};
 use snowlab_study::record::Outcome;
 use snowlab_study::results::{CaseResult, Ledger};
 use snowlab_study::schedule::run_cases;
@@ -88,7 +89,11 @@ pub fn report(arguments: &StudyArguments) -> anyhow::Result<Exit> {
     if missing > 0 {
         eprintln!("{missing} cases have not been run; run `snowlab run` to complete the study");
     }
-    let _ = text;
+    let provenance = Provenance { study_text: text, revision: revision(folder(arguments)) };
+    let findings = Findings { ledger: &ledger, results: &results, judged: &judged, gates: &gates };
+    for name in present(findings, &provenance)? {
+        println!("{}", ledger.store.root().join(name).display());
+    }
     Ok(Exit::Done)
 }
 

@@ -1,0 +1,84 @@
+//! A study's figures and report, from its results. Nothing here simulates.
+
+mod charts;
+mod page;
+mod pictures;
+
+use std::path::Path;
+
+use crate::evaluate::{Gates, Judged};
+use crate::figure::{Drawing, FigureError};
+use crate::report::ReportFigure;
+use crate::results::{CaseResult, Ledger};
+use crate::store::write_whole;
+
+pub use page::Provenance;
+
+/// All that a report is made of.
+#[derive(Clone, Copy)]
+pub struct Findings<'a> {
+    /// The study and where its results are.
+    pub ledger: &'a Ledger<'a>,
+    /// Its results.
+    pub results: &'a [CaseResult],
+    /// Its claims, judged.
+    pub judged: &'a [Judged],
+    /// The gates that the claims had to pass.
+    pub gates: &'a Gates,
+}
+
+/// A figure with the words that belong to it.
+struct Titled {
+    /// File name without ending.
+    name: String,
+    title: String,
+    caption: String,
+    alternative: String,
+    drawing: Drawing,
+}
+
+/// Draws all figures into `<results>/figures` and writes `report.html`. The names of the files written, relative to the
+/// study's folder.
+///
+/// # Errors
+/// Frames that cannot be read, a disk that cannot be written.
+pub fn present(findings: Findings, provenance: &Provenance) -> anyhow::Result<Vec<String>> {
+    let mut figures = pictures::snowballs(findings)?;
+    figures.extend(charts::all(findings)?);
+    let root = findings.ledger.store.root();
+    let mut written = Vec::new();
+    let mut shown = Vec::new();
+    for figure in figures {
+        let png = figure.drawing.png();
+        let name = format!("figures/{}.png", figure.name);
+        write_whole(&root.join(&name), &png)?;
+        written.push(name);
+        let Titled { title, caption, alternative, .. } = figure;
+        shown.push(ReportFigure { png, title, caption, alternative });
+    }
+    let html = page::page(findings, provenance, shown)?;
+    write_whole(&root.join("report.html"), html.as_bytes())?;
+    written.push("report.html".into());
+    Ok(written)
+}
+
+/// A figure that has nothing to show is left out; any other mistake is passed on.
+fn drawn(drawing: Result<Drawing, FigureError>) -> Result<Option<Drawing>, FigureError> {
+    match drawing {
+        Ok(drawing) => Ok(Some(drawing)),
+        Err(FigureError::Nothing { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Reads git's revision of the folder the program runs in; none outside a checkout.
+pub fn revision(folder: &Path) -> Option<String> {
+    let git = |arguments: &[&str]| {
+        let output = std::process::Command::new("git").arg("-C").arg(folder).args(arguments).output().ok()?;
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_string())
+    };
+    let revision = git(&["rev-parse", "--short=12", "HEAD"])?;
+    let changed =
+        git(&["status", "--porcelain", "--untracked-files=no"]).is_some_and(|status| !status.is_empty());
+    Some(if changed { format!("{revision}, with uncommitted changes") } else { revision })
+}

@@ -1,0 +1,186 @@
+//! The report's data from a study's findings.
+
+use crate::claims::Verdict;
+use crate::record::Outcome;
+use crate::report::{
+    ReportArm, ReportData, ReportError, ReportFact, ReportFailure, ReportFigure, ReportOutcome, ReportTable,
+    ReportVerdict, html,
+};
+use crate::statistics::{Interval, OperatingSpeed, summarise};
+use crate::store::{METRIC_VERSION, SOLVER_VERSION};
+use crate::table::Row;
+use crate::tables::{case_row, groups, usable};
+
+use super::Findings;
+use super::charts::{contrast, operating_point};
+
+/// Where the numbers come from.
+#[derive(Clone, Debug)]
+pub struct Provenance {
+    /// Text of the study file: its digest goes into the report.
+    pub study_text: String,
+    /// Git revision, where there is one.
+    pub revision: Option<String>,
+}
+
+/// Endpoints of the summary table, with their headings.
+const SUMMARY: [(&str, &str); 6] = [
+    ("ln_neff", "A = ln N_eff"),
+    ("damage", "D"),
+    ("fragments", "N_f"),
+    ("dust", "dust"),
+    ("d50", "D50 [m]"),
+    ("crack", "crack [m]"),
+];
+
+/// The page.
+pub fn page(
+    findings: Findings,
+    provenance: &Provenance,
+    figures: Vec<ReportFigure>,
+) -> Result<String, ReportError> {
+    let spec = &findings.ledger.study.spec;
+    let mut caveats = findings.gates.words.clone();
+    caveats.insert(0, "PS17 gives no grid spacing, time step, speed or friction: a claim that is refuted here is not reproduced under these conditions.".into());
+    caveats.extend(pilot_words(findings));
+    let data = ReportData {
+        title: spec.name.clone(),
+        subtitle: format!("profile {}, {} cases", findings.ledger.study.profile, findings.results.len()),
+        question: spec.question.split("\n\n").map(str::to_string).collect(),
+        caveats,
+        arms: arms(findings),
+        verdicts: findings.judged.iter().map(|judged| verdict(findings, judged)).collect(),
+        figures,
+        tables: vec![summary(findings)],
+        failures: failures(findings),
+        provenance: facts(findings, provenance),
+    };
+    html(&data)
+}
+
+/// What the pilot's rule says, where the study is a pilot.
+fn pilot_words(findings: Findings) -> Option<String> {
+    let (found, obstacle) = operating_point(findings.results, &findings.ledger.study.arms())?;
+    Some(match found {
+        OperatingSpeed::Found { speed, median_damage } => {
+            format!("Operating point: {speed} m/s on the {obstacle}, pooled median of D {median_damage:.3}.")
+        }
+        OperatingSpeed::NoneUsable { nearest: Some((speed, damage)) } => format!(
+            "No operating point: on the {obstacle} the pooled median of D nearest to 0.25 is {damage:.3}, at {speed} m/s, outside [0.05, 0.6]."
+        ),
+        OperatingSpeed::NoneUsable { nearest: None } => {
+            format!("No operating point: no usable case on the {obstacle}.")
+        }
+    })
+}
+
+fn arms(findings: Findings) -> Vec<ReportArm> {
+    let mut arms: Vec<ReportArm> = Vec::new();
+    for group in groups(findings.results) {
+        let first = group[0];
+        let made = &first.record.made;
+        let ended = group.iter().filter(|result| usable(result)).count();
+        let voids = if made.voids > 0 {
+            format!(", {} voids, porosity {:.3}", made.voids, made.porosity)
+        } else {
+            String::new()
+        };
+        arms.push(ReportArm {
+            name: name(findings, first),
+            description: format!(
+                "{} particles, {:.1} per cell{voids}",
+                made.particles, made.particles_per_cell
+            ),
+            cases: format!("{ended} of {}", group.len()),
+        });
+    }
+    arms
+}
+
+fn name(findings: Findings, result: &crate::results::CaseResult) -> String {
+    let point: Vec<String> =
+        result.case.axes.iter().map(|(axis, value)| format!(", {axis} {value}")).collect();
+    let label = findings.ledger.study.label(&result.case.arm);
+    let same_label =
+        findings.ledger.study.spec.arm.iter().filter(|arm| arm.label.as_ref() == Some(&label)).count();
+    let label = if same_label > 1 { result.case.arm.clone() } else { label };
+    format!("{label}{}", point.concat())
+}
+
+fn verdict(findings: Findings, judged: &crate::evaluate::Judged) -> ReportVerdict {
+    let evidence = &judged.assessment.evidence;
+    let pair = |kind: &str, interval: Option<Interval>| {
+        interval.map(|i| format!("{kind} [{:.3}, {:.3}]", i.lower, i.upper))
+    };
+    let intervals: Vec<String> =
+        [pair("t", evidence.interval_t), pair("BCa", evidence.interval_bca)].into_iter().flatten().collect();
+    ReportVerdict {
+        claim: judged.claim.id.clone(),
+        sentence: judged.claim.sentence.clone(),
+        effect: evidence.effect.map_or(String::new(), |d| format!("{d:.3} ({:.2}x)", libm::exp(d))),
+        interval: format!("{}; {:.1} %", intervals.join(", "), 100.0 * evidence.confidence),
+        verdict: judged.assessment.verdict.to_string(),
+        outcome: match judged.assessment.verdict {
+            Verdict::Supported => ReportOutcome::Supported,
+            Verdict::Refuted(_) => ReportOutcome::Refuted,
+            Verdict::Inconclusive(_) => ReportOutcome::Inconclusive,
+            Verdict::NotRun(_) => ReportOutcome::NotRun,
+        },
+        conditions: vec![contrast(findings, &judged.claim.contrast), judged.assessment.explanation.clone()],
+    }
+}
+
+fn summary(findings: Findings) -> ReportTable {
+    let mut columns = vec!["arm".to_string(), "cases".to_string()];
+    columns.extend(SUMMARY.iter().map(|(_, heading)| heading.to_string()));
+    let rows = groups(findings.results).into_iter().map(|group| {
+        let used: Vec<Row> = group.iter().filter(|r| usable(r)).map(|r| case_row(r)).collect();
+        let mut cells = vec![name(findings, group[0]), format!("{}", used.len())];
+        for (endpoint, _) in SUMMARY {
+            let values: Vec<f64> = used.iter().filter_map(|row| row.value(endpoint)).collect();
+            cells.push(summarise(&values, 0.95).map_or("-".into(), |s| match s.interval {
+                Some(i) => format!("{:.3} [{:.3}, {:.3}]", s.mean, i.lower, i.upper),
+                None => format!("{:.3}", s.mean),
+            }));
+        }
+        cells
+    });
+    ReportTable {
+        title: "Summary".into(),
+        note: "Mean over the cases that ended well and passed the gate, with its 95 % t interval. All cases are in cases.csv.".into(),
+        columns,
+        rows: rows.collect(),
+    }
+}
+
+fn failures(findings: Findings) -> Vec<ReportFailure> {
+    let failed = |result: &crate::results::CaseResult| {
+        let reason = match (&result.record.outcome, &result.metrics) {
+            (Outcome::Stopped { message, .. }, _) => message.clone(),
+            (_, Some(metrics)) if !metrics.gate_valid => metrics.gate.clone(),
+            (Outcome::OkWithClamps, _) => format!("J_P met a bound {} times", result.record.clamps),
+            (_, None) => "its frames cannot be measured".into(),
+            _ => return None,
+        };
+        let case = format!("{}, block {}", name(findings, result), result.case.block);
+        Some(ReportFailure { case, status: result.record.outcome.in_words(), reason })
+    };
+    findings.results.iter().filter_map(failed).collect()
+}
+
+fn facts(findings: Findings, provenance: &Provenance) -> Vec<ReportFact> {
+    let fact = |name: &str, value: String| ReportFact { name: name.into(), value };
+    let blocks = findings.results.iter().map(|r| r.case.block);
+    let (first, last) = (blocks.clone().min().unwrap_or(0), blocks.max().unwrap_or(0));
+    let steps: u64 = findings.results.iter().map(|r| r.record.particle_steps).sum();
+    vec![
+        fact("study file, BLAKE3", blake3::hash(provenance.study_text.as_bytes()).to_hex()[..32].to_string()),
+        fact("git revision", provenance.revision.clone().unwrap_or_else(|| "not in a checkout".into())),
+        fact("snowlab", env!("CARGO_PKG_VERSION").into()),
+        fact("solver version", SOLVER_VERSION.to_string()),
+        fact("metric version", METRIC_VERSION.to_string()),
+        fact("seeds", format!("{first} to {last}")),
+        fact("work", format!("{:.2e} particle-steps", steps as f64)),
+        fact("engine, precision", "reference, as the scene says".into()),
+    ]
+}
