@@ -56,7 +56,18 @@ fn parameters_of_fields_are_refused_with_name_value_and_range() {
             refused(VoidField::Gaussian(GaussianField { porosity: 0.15, correlation_length: 0.0 })),
             ["correlation length of a void field [m] is 0", "above 0"],
         ),
-        (inclusions(InclusionField { mean_radius: 1e-5, ..circles }), ["number of voids", "1 to 2000"]),
+        (
+            inclusions(InclusionField { mean_radius: 1e-5, ..circles }),
+            ["mean radius of the voids [m] is 0.00001", "2 h or more"],
+        ),
+        (
+            inclusions(InclusionField { mean_radius: 0.2, ..circles }),
+            ["mean radius of the voids [m] is 0.2", "single void"],
+        ),
+        (
+            refused(VoidField::Gaussian(GaussianField { porosity: 0.15, correlation_length: 2.0 })),
+            ["correlation length of a void field [m] is 2", "longest side"],
+        ),
     ] {
         assert!(parts.iter().all(|part| message.contains(part)), "{message} lacks {parts:?}");
     }

@@ -46,17 +46,22 @@ pub(crate) fn place<const D: usize>(
     let most = (count as f64 * (1.0 + SURPLUS)).ceil() as usize + 1;
     let mut best: Option<Disks<D>> = None;
     let mut placed = 0;
-    for round in 0..ROUNDS {
+    let mut rounds = 0;
+    while rounds < ROUNDS {
+        rounds += 1;
         let positions = Fill::new(domain, distance)?.run(count / COUNT_PER_DART, rng);
         placed = positions.len();
+        if placed == 0 {
+            break;
+        }
         // Never by more than a half, for counts so small that they say little.
-        let step = root::<D>(placed.max(1) as f64 / aim).clamp(0.5, 1.5);
+        let step = root::<D>(placed as f64 / aim).clamp(0.5, 1.5);
         let next = distance * if placed < count { step.min(0.99) } else { step };
         if placed >= count && best.as_ref().is_none_or(|best| placed < best.positions.len()) {
             best = Some(Disks { positions, least_distance: distance });
         }
         // Chosen: after six rounds any set of enough points will do.
-        if best.as_ref().is_some_and(|best| best.positions.len() <= most || round >= 5) {
+        if best.as_ref().is_some_and(|best| best.positions.len() <= most || rounds >= 6) {
             break;
         }
         distance = next;
@@ -66,7 +71,7 @@ pub(crate) fn place<const D: usize>(
             Ok(Disks { positions: thinned(&positions, count, least_distance), least_distance })
         }
         None => {
-            Err(SamplerError::CannotPlace { sampler: "poisson-disk", placed, wanted: count, tries: ROUNDS })
+            Err(SamplerError::CannotPlace { sampler: "poisson-disk", placed, wanted: count, tries: rounds })
         }
     }
 }

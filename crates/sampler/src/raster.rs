@@ -163,6 +163,9 @@ impl Envelope {
         for (position, value) in self.values[..length].iter_mut().enumerate() {
             *value = f64::from(distances[start + position * stride]);
         }
+        if self.values[..length].iter().all(|&value| value == 0.0) {
+            return;
+        }
         let mut last = 0;
         self.vertices[0] = 0;
         self.bounds[0] = f64::NEG_INFINITY;
