@@ -47,10 +47,14 @@ pub fn draw_voids<const D: usize>(
         VoidField::Inclusions(inclusions) => {
             let volume = region.volume(region.volume_raster())?;
             let drawer = LayoutDrawer::new(inclusions, region, volume, LEAST_RADIUS * h);
-            if drawer.expected_voids() > MOST_VOIDS as f64 {
+            let (radius, voids) = (inclusions.mean_radius, drawer.expected_voids());
+            let name = "mean radius of the voids [m]";
+            require(radius >= 2.0 * h, name, radius, "2 h or more, half the least diameter accepted")?;
+            require(voids >= 0.5, name, radius, "that of a single void of the porosity, or less")?;
+            if voids > MOST_VOIDS as f64 {
                 return Err(SamplerError::CountOutOfRange {
-                    name: "number of voids (porosity and mean radius)",
-                    value: drawer.expected_voids() as usize,
+                    name: "number of voids, by porosity and mean radius,",
+                    value: voids as usize,
                     least: 1,
                     most: MOST_VOIDS,
                 });
@@ -61,6 +65,13 @@ pub fn draw_voids<const D: usize>(
             })
         }
         VoidField::Gaussian(GaussianField { correlation_length, .. }) => {
+            let bounds = region.bounding_box();
+            require(
+                (h..=(bounds.max - bounds.min).max()).contains(correlation_length),
+                "correlation length of a void field [m]",
+                *correlation_length,
+                "the grid spacing h to the longest side of the region",
+            )?;
             until_accepted(&acceptance, &mut rng, |rng| {
                 let waves = PlaneWaves::<D>::draw(*correlation_length, rng);
                 acceptance.judge(VoidShape::LevelCut(LevelCut::draw(&waves, &acceptance)))

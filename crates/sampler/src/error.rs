@@ -87,6 +87,16 @@ pub enum SamplerError {
         /// Tries spent.
         tries: usize,
     },
+    /// Nothing to measure.
+    #[error("{measure} needs {needed}; {found} found")]
+    TooFewSamples {
+        /// The measure.
+        measure: &'static str,
+        /// What it needs.
+        needed: &'static str,
+        /// How many there are.
+        found: usize,
+    },
     /// No draw of a void field was accepted.
     #[error(
         "no void field of porosity {porosity} accepted in {draws} draws: {rejections}; \

@@ -9,10 +9,10 @@ use crate::rng::{self, ChaCha8Rng};
 
 /// Bisections of the spacing. Chosen: the spacing is then known to its last bits.
 const BISECTIONS: usize = 60;
-/// Halvings of the least spacing until it gives enough sites. Chosen: 1e-3 of the mean spacing of the particles.
-const HALVINGS: usize = 10;
-/// Most sites held at once. Chosen: about two gigabytes in 3D.
-const MOST_SITES: f64 = 1e8;
+/// Halvings of the least spacing until it gives enough sites. Chosen: down to a fortieth of the mean spacing.
+const HALVINGS: usize = 6;
+/// Most sites visited. Chosen: enough for the most particles in a ball, a few seconds.
+const MOST_SITES: f64 = 3e8;
 
 /// Positions and the spacing they were fitted with [m].
 pub(crate) struct Fitted<const D: usize> {

@@ -3,14 +3,14 @@
 use snowlab_solver::geometry::Vector;
 
 use crate::gaussian_field::PlaneWaves;
-use crate::raster::Raster;
+use crate::raster::{Pieces, Raster};
 use crate::void_acceptance::{Acceptance, LEAST_DIAMETER, POROSITY_TOLERANCE, equal_volume_radius};
 
 /// Bisections of the level. Chosen: the level is then known to 1e-5 standard deviations.
 const BISECTIONS: usize = 20;
-/// Value given to cells that change sides, in standard deviations of the field. Chosen: any small number; only the
-/// sign counts away from an outline, and no outline is left where cells change sides.
-const CLEANED: f64 = 1e-3;
+/// Value given to cells that change sides, in standard deviations of the field. Chosen: typical of the field, so that
+/// a cell at the surface of the region outweighs its neighbour outside, which keeps its side.
+const CLEANED: f64 = 1.0;
 
 /// A field sampled at the cells of a raster, multilinear between them; void where it is positive.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,16 +25,15 @@ impl<const D: usize> LevelCut<D> {
     pub fn draw(waves: &PlaneWaves<D>, acceptance: &Acceptance<'_, D>) -> Self {
         let raster = acceptance.raster.clone();
         let field = waves.on_raster(&raster, &acceptance.region.bounding_box().min);
-        let near = raster.mask(|centre| acceptance.region.depth(centre) >= -2.0 * raster.cell);
+        let bodies = raster.pieces(|flat| acceptance.inside[flat]);
         let total = acceptance.inside.iter().filter(|&&inside| inside).count() as f64;
-        let cleaner = Cleaner { acceptance, near: &near };
         // Beyond four standard deviations a level leaves less than a ten-thousandth on one side.
         let (mut low, mut high) = (-4.0, 4.0);
         let mut values = Vec::new();
         for _ in 0..BISECTIONS {
             let level = 0.5 * (low + high);
             values = field.iter().map(|value| value - level).collect::<Vec<f64>>();
-            cleaner.clean(&raster, &mut values);
+            clean(acceptance, &bodies, &mut values);
             let void =
                 values.iter().zip(&acceptance.inside).filter(|(value, inside)| **inside && **value > 0.0);
             let porosity = void.count() as f64 / total;
@@ -81,52 +80,27 @@ impl<const D: usize> LevelCut<D> {
     }
 }
 
-/// Cleans a cut on the region and two cells beyond its surface.
-struct Cleaner<'a, const D: usize> {
-    acceptance: &'a Acceptance<'a, D>,
-    near: &'a [bool],
-}
-
-impl<const D: usize> Cleaner<'_, D> {
-    fn clean(&self, raster: &Raster<D>, values: &mut [f64]) {
-        let inside = &self.acceptance.inside;
-        let voids = raster.pieces(|flat| self.near[flat] && values[flat] > 0.0);
-        let small: Vec<bool> = cells_inside(&voids.labels, voids.cells.len(), inside)
-            .into_iter()
-            .map(|cells| {
-                2.0 * equal_volume_radius::<D>(cells, raster.cell) < LEAST_DIAMETER * self.acceptance.h
-            })
-            .collect();
-        for (value, &label) in values.iter_mut().zip(&voids.labels) {
-            if label > 0 && small[label as usize - 1] {
-                *value = -CLEANED;
-            }
-        }
-        let solids = raster.pieces(|flat| self.near[flat] && values[flat] <= 0.0);
-        let sizes = cells_inside(&solids.labels, solids.cells.len(), inside);
-        let bodies = raster.pieces(|flat| self.near[flat]);
-        let mut largest = vec![(0, 0); bodies.cells.len()];
-        for (&body, &solid) in bodies.labels.iter().zip(&solids.labels) {
-            if solid > 0 {
-                let best = &mut largest[body as usize - 1];
-                *best = (*best).max((sizes[solid as usize - 1], solid));
-            }
-        }
-        for ((value, &body), &solid) in values.iter_mut().zip(&bodies.labels).zip(&solids.labels) {
-            if solid > 0 && largest[body as usize - 1].1 != solid {
-                *value = CLEANED;
-            }
+/// Cleans the cut on the cells of the region; `bodies` are its pieces without voids.
+fn clean<const D: usize>(acceptance: &Acceptance<'_, D>, bodies: &Pieces, values: &mut [f64]) {
+    let (raster, inside) = (&acceptance.raster, &acceptance.inside);
+    let voids = raster.pieces(|flat| inside[flat] && values[flat] > 0.0);
+    let least = 0.5 * LEAST_DIAMETER * acceptance.h;
+    for (value, &label) in values.iter_mut().zip(&voids.labels) {
+        if label > 0 && equal_volume_radius::<D>(voids.cells[label as usize - 1], raster.cell) < least {
+            *value = -CLEANED;
         }
     }
-}
-
-/// How many cells of every piece lie inside the region.
-fn cells_inside(labels: &[u32], pieces: usize, inside: &[bool]) -> Vec<usize> {
-    let mut counts = vec![0; pieces];
-    for (&label, &inside) in labels.iter().zip(inside) {
-        if label > 0 && inside {
-            counts[label as usize - 1] += 1;
+    let solids = raster.pieces(|flat| inside[flat] && values[flat] <= 0.0);
+    let mut largest = vec![(0, 0); bodies.cells.len()];
+    for (&body, &solid) in bodies.labels.iter().zip(&solids.labels) {
+        if solid > 0 {
+            let best = &mut largest[body as usize - 1];
+            *best = (*best).max((solids.cells[solid as usize - 1], solid));
         }
     }
-    counts
+    for ((value, &body), &solid) in values.iter_mut().zip(&bodies.labels).zip(&solids.labels) {
+        if solid > 0 && largest[body as usize - 1].1 != solid {
+            *value = CLEANED;
+        }
+    }
 }

@@ -9,8 +9,8 @@ use crate::region::Region;
 use crate::rng::{Purpose, Streams};
 use crate::{jittered, lattice, poisson_disk, random};
 
-/// Default angle of a lattice, 27 degrees [rad]. Chosen: far from every angle at which a row of sites follows the
-/// grid (0, 45 and, with a slope of a half, 26.57 degrees is met only every other site).
+/// Default angle of a lattice, 27 degrees [rad]. Chosen: rows of sites follow neither the axes of the grid nor its
+/// diagonals, and 27 degrees has no rational slope, so that the two never repeat.
 pub const LATTICE_ANGLE: f64 = 27.0 * std::f64::consts::PI / 180.0;
 
 /// Most particles in a placement. Chosen: half a gigabyte of positions in 3D.

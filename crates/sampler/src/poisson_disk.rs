@@ -8,20 +8,23 @@ use crate::neighbours::Neighbours;
 use crate::rng::{self, ChaCha8Rng};
 
 /// Points of a filled set times the volume of a cube of the least distance, over the volume filled; only a first guess.
-/// Source: sets made by this file (2D 0.70, 3D 0.73 far from surfaces).
+/// Source: sets of 30 000 points in a disc and 100 000 in a ball made by this file (0.632 and 0.574).
 const fn packing(dimension: usize) -> f64 {
-    if dimension == 2 { 0.70 } else { 0.73 }
+    if dimension == 2 { 0.632 } else { 0.574 }
 }
 
-/// Rounds of the search for the distance. Chosen: two or three are usual.
+/// Rounds of the search for the distance. Chosen: one or two are usual, more with few points or many voids.
 const ROUNDS: usize = 30;
 /// Surplus that is accepted, over the count. Chosen: small enough to leave no visible gaps, above the scatter of a fill.
 const SURPLUS: f64 = 0.02;
 /// Candidates about every point. Chosen: of a cube about the annulus of Bridson (2007) about a half fall into it,
 /// which leaves his k = 30.
 const CANDIDATES: usize = 60;
-/// Uniform darts before that, over the count; they seed every part of a region in pieces. Chosen: more rarely land.
-const DARTS: usize = 2;
+/// Points asked for, per uniform dart that seeds the fill. Chosen: every part of a region in pieces gets darts, and a
+/// fill that grows from few darts visits memory in order.
+const COUNT_PER_DART: usize = 4;
+/// Darts until the first lands. Chosen: fifty times as many as the emptiest domain allowed needs on average.
+const MOST_DARTS: usize = 100_000;
 /// Most cells of the background grid. Chosen: 400 MB.
 const MOST_CELLS: f64 = 1e8;
 
@@ -38,23 +41,27 @@ pub(crate) fn place<const D: usize>(
     count: usize,
     rng: &mut ChaCha8Rng,
 ) -> Result<Disks<D>, SamplerError> {
-    let per_point = packing(D) * domain.filled_volume / count as f64;
-    let mut distance = root::<D>(per_point);
+    let aim = count as f64 * (1.0 + 0.5 * SURPLUS);
+    let mut distance = root::<D>(packing(D) * domain.filled_volume / aim);
     let most = (count as f64 * (1.0 + SURPLUS)).ceil() as usize + 1;
     let mut best: Option<Disks<D>> = None;
     let mut placed = 0;
-    for round in 0..ROUNDS {
-        let positions = Fill::new(domain, distance)?.run(DARTS * count, rng);
+    let mut rounds = 0;
+    while rounds < ROUNDS {
+        rounds += 1;
+        let positions = Fill::new(domain, distance)?.run(count / COUNT_PER_DART, rng);
         placed = positions.len();
-        let aim = count as f64 * (1.0 + 0.5 * SURPLUS);
+        if placed == 0 {
+            break;
+        }
         // Never by more than a half, for counts so small that they say little.
-        let step = root::<D>(placed.max(1) as f64 / aim).clamp(0.5, 1.5);
+        let step = root::<D>(placed as f64 / aim).clamp(0.5, 1.5);
         let next = distance * if placed < count { step.min(0.99) } else { step };
         if placed >= count && best.as_ref().is_none_or(|best| placed < best.positions.len()) {
             best = Some(Disks { positions, least_distance: distance });
         }
         // Chosen: after six rounds any set of enough points will do.
-        if best.as_ref().is_some_and(|best| best.positions.len() <= most || round >= 5) {
+        if best.as_ref().is_some_and(|best| best.positions.len() <= most || rounds >= 6) {
             break;
         }
         distance = next;
@@ -64,7 +71,7 @@ pub(crate) fn place<const D: usize>(
             Ok(Disks { positions: thinned(&positions, count, least_distance), least_distance })
         }
         None => {
-            Err(SamplerError::CannotPlace { sampler: "poisson-disk", placed, wanted: count, tries: ROUNDS })
+            Err(SamplerError::CannotPlace { sampler: "poisson-disk", placed, wanted: count, tries: rounds })
         }
     }
 }
@@ -130,7 +137,10 @@ impl<'a, const D: usize> Fill<'a, D> {
     }
 
     fn run(mut self, darts: usize, rng: &mut ChaCha8Rng) -> Vec<Vector<f64, D>> {
-        for _ in 0..darts {
+        for number in 0..MOST_DARTS.max(darts) {
+            if number >= darts && !self.positions.is_empty() {
+                break;
+            }
             let dart = self.domain.point_at(&rng::uniform_vector::<D>(rng));
             self.offer(&dart);
         }

@@ -81,7 +81,7 @@ impl<const D: usize> Raster<D> {
     }
 
     /// Squared distance from every cell to the nearest cell in which `feature` holds, in cells; the lower envelope of
-    /// parabolas, axis by axis (Felzenszwalb & Huttenlocher 2012, algorithm 1). [`FAR`] if there is none.
+    /// parabolas, axis by axis (Felzenszwalb & Huttenlocher 2012). [`FAR`] if there is none.
     pub fn squared_distances(&self, feature: impl Fn(usize) -> bool) -> Vec<f32> {
         let mut distances: Vec<f32> =
             (0..self.len()).map(|flat| if feature(flat) { 0.0 } else { FAR }).collect();
@@ -162,6 +162,9 @@ impl Envelope {
     fn transform(&mut self, distances: &mut [f32], start: usize, stride: usize, length: usize) {
         for (position, value) in self.values[..length].iter_mut().enumerate() {
             *value = f64::from(distances[start + position * stride]);
+        }
+        if self.values[..length].iter().all(|&value| value == 0.0) {
+            return;
         }
         let mut last = 0;
         self.vertices[0] = 0;

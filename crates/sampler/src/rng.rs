@@ -42,7 +42,7 @@ impl Streams {
     }
 
     /// The stream for `purpose`, from its beginning. The 256-bit key is four outputs of SplitMix64 started at the
-    /// seed (Steele, Lea & Flood 2014, figure 17), spelled out here so that no dependency can change it.
+    /// seed (Steele, Lea & Flood 2014), spelled out here so that no dependency can change it.
     pub fn stream(&self, purpose: Purpose) -> ChaCha8Rng {
         let mut key = [0_u8; 32];
         let mut state = self.seed;
@@ -94,7 +94,7 @@ pub fn normal_vector<const D: usize>(rng: &mut ChaCha8Rng) -> Vector<f64, D> {
 }
 
 /// Gamma of mean 1 and standard deviation `spread`, that is of shape `1/spread^2` (Marsaglia & Tsang 2000; shapes
-/// below 1 by their section 6). A `spread` of 0 or one that is no number gives 1; others are held to 1e-6..1e3.
+/// below 1 by their power of a uniform number). A `spread` of 0 or one that is no number gives 1; others are held to 1e-6..1e3.
 pub fn unit_mean_gamma(rng: &mut ChaCha8Rng, spread: f64) -> f64 {
     if spread.is_nan() || spread <= 0.0 {
         return 1.0;
@@ -130,21 +130,25 @@ pub fn direction<const D: usize>(rng: &mut ChaCha8Rng) -> Vector<f64, D> {
     }
 }
 
-/// Uniformly distributed orthonormal axes, as columns: Gram-Schmidt on Gaussian vectors (Stewart 1980).
+/// Uniformly distributed orthonormal axes, as columns: Gram-Schmidt on Gaussian vectors (Stewart 1980), done twice
+/// for orthogonality to the last bits (Giraud, Langou & Rozloznik 2005).
 pub fn orientation<const D: usize>(rng: &mut ChaCha8Rng) -> Matrix<f64, D> {
     let mut axes = Matrix::<f64, D>::identity();
     for axis in 0..D {
         let mut column = direction::<D>(rng);
-        for earlier in 0..axis {
-            let previous = axes.column(earlier).into_owned();
-            column -= previous * previous.dot(&column);
+        for _ in 0..2 {
+            for earlier in 0..axis {
+                let previous = axes.column(earlier).into_owned();
+                column -= previous * previous.dot(&column);
+            }
+            let length = column.norm();
+            // Chosen: below this the directions agree to half the digits, which leaves nothing to make an axis of.
+            if length < 1e-8 {
+                return Matrix::<f64, D>::identity();
+            }
+            column /= length;
         }
-        let length = column.norm();
-        // Chosen: below this the two directions agree to half the digits and the axes would lose orthogonality.
-        if length < 1e-8 {
-            return Matrix::<f64, D>::identity();
-        }
-        axes.set_column(axis, &(column / length));
+        axes.set_column(axis, &column);
     }
     axes
 }

@@ -62,8 +62,7 @@ struct Counting<const D: usize> {
 impl<'a, const D: usize> Acceptance<'a, D> {
     pub fn new(region: &'a Region<D>, h: f64, porosity: f64) -> Result<Self, SamplerError> {
         let bounds = region.bounding_box();
-        // The margin: one cell for the border of the pieces, two for level cuts cleaned beyond the surface.
-        let raster = Raster::over(&bounds, h / cells_per_spacing(D), 4)?;
+        let raster = Raster::over(&bounds, h / cells_per_spacing(D), 2)?;
         let fine = if D == 2 { Raster::over(&bounds, h / 20.0, 0)? } else { raster.clone() };
         let inside = raster.mask(|centre| region.contains(centre));
         let mut counted = 0;
