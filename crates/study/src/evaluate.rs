@@ -56,7 +56,11 @@ pub fn assess_claims(ledger: &Ledger, results: &[CaseResult]) -> anyhow::Result<
         }
         let assessments = assess_family(&members, Resampling::standard(RESAMPLING_SEED))?;
         let claims = members.into_iter().map(|(claim, _)| claim);
-        judged.extend(claims.zip(assessments).map(|(claim, assessment)| Judged { family, claim, assessment }));
+        judged.extend(claims.zip(assessments).map(|(claim, assessment)| Judged {
+            family,
+            claim,
+            assessment,
+        }));
     }
     Ok((judged, gates))
 }
