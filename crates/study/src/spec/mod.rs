@@ -4,9 +4,9 @@ pub mod override_path;
 pub mod range;
 mod refusal;
 pub mod scene;
-mod scene_rules;
+pub mod scene_rules;
 pub mod study;
-mod study_rules;
+pub mod study_rules;
 
 pub use scene::SceneSpec;
 pub use study::StudySpec;

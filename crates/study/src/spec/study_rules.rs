@@ -6,6 +6,7 @@ use super::range::{NOT_NEGATIVE, POSITIVE, Range, at_least, within};
 use super::study::{BlockSpec, DEFAULT_PROFILE, ExpectSpec, MeasureSpec, ProfileSpec, SweepSpec};
 use super::{Spec, SpecError, StudySpec};
 use crate::claims::Claim;
+use crate::tables::OWN_COLUMNS;
 
 /// Every number of a study with a range, by its key; a profile's `blocks` and `measure` have the same.
 pub const RULES: &[(&str, Range)] = &[
@@ -18,9 +19,6 @@ pub const RULES: &[(&str, Range)] = &[
     ("measure.bodies", at_least(1.0)),
     ("measure.settle_window", NOT_NEGATIVE),
 ];
-
-/// Columns of the tables before and beside those of the sweep, whose names an axis cannot have.
-const OWN_COLUMNS: [&str; 3] = ["arm", "block", "key"];
 
 impl Spec for StudySpec {
     fn validate(&self) -> Result<(), SpecError> {
