@@ -12,12 +12,12 @@ use snowlab_solver::{
 };
 
 use crate::points;
-use crate::spec::SpecError;
 use crate::spec::scene::{
     AdvectionName, BodySpec, ColliderSpec, ContactName, CountOf, InclusionSpec, KernelName, MaterialSpec,
     NumericsSpec, OutputSpec, PlacementSpec, RegionSpec, RestVolumeName, SceneSpec, SolidSpec, TimeUnit,
     TransferName, VoidSpec,
 };
+use crate::spec::{Spec, SpecError};
 
 /// A scene ready to run, with what is worth recording of how it was built.
 #[derive(Clone, Debug)]
@@ -68,11 +68,9 @@ pub fn assemble<T: Real, const D: usize>(
     spec: &SceneSpec,
     folder: &Path,
 ) -> Result<Assembly<T, D>, SpecError> {
-    if spec.dimension != D || !(D == 2 || D == 3) {
-        return Err(SpecError::value("dimension", format!("is {}; allowed: 2 or 3", spec.dimension)));
-    }
-    if spec.body.is_empty() {
-        return Err(SpecError::value("body", "is missing; a scene has one body or more"));
+    spec.validate()?;
+    if spec.dimension != D {
+        return Err(SpecError::value("`dimension`", format!("is {}, but {D} is asked for", spec.dimension)));
     }
     let mut particles = Vec::new();
     let mut made = Made::default();
@@ -84,6 +82,7 @@ pub fn assemble<T: Real, const D: usize>(
     made.finish(&particles, spec.numerics.spacing.powi(D as i32));
     made.crossing_time = crossing_time::<D>(&spec.body[0], &particles)?;
     let origin = local_origin(&particles, spec.numerics.spacing);
+    check_reach(&particles, &origin, spec.numerics.spacing)?;
     let scene = scene::<T, D>(spec, &origin)?;
     let refused = |error: snowlab_solver::SceneError| SpecError::value("scene", error.to_string());
     let mut state = State::at_rest(&scene, origin, &particles).map_err(refused)?;
@@ -135,7 +134,7 @@ fn build_body<const D: usize>(
     let key = format!("body.{number}");
     // Each body has its own streams; the first has those of the seed itself.
     let streams = Streams::new(spec.seed ^ ((number as u64) << 48));
-    let phase = grid_phase::<D>(body, &key, &streams)?;
+    let phase = grid_phase::<D>(body, &streams);
     let mut built = if let PlacementSpec::File { path, filled_volume } = &body.placement {
         from_file(body, &key, &folder.join(path), *filled_volume)?
     } else {
@@ -161,9 +160,13 @@ fn from_sampler<const D: usize>(
     key: &str,
     streams: &Streams,
 ) -> Result<BuiltBody<D>, SpecError> {
-    let refused = |error: snowlab_sampler::SamplerError| SpecError::value(key, error.to_string());
+    let refused =
+        |error: snowlab_sampler::SamplerError| SpecError::value(format!("`{key}`"), error.to_string());
     let region_spec = body.region.as_ref().ok_or_else(|| {
-        SpecError::value(format!("{key}.region"), "is missing; only placement `file` does without")
+        SpecError::value(
+            format!("`{key}.region`"),
+            "is missing; only a placement of kind `file` does without",
+        )
     })?;
     let region = region::<D>(region_spec, &format!("{key}.region"))?;
     let (sampler, count, count_of) = sampler(&body.placement);
@@ -198,16 +201,13 @@ fn from_file<const D: usize>(
     path: &Path,
     filled_volume: f64,
 ) -> Result<BuiltBody<D>, SpecError> {
-    let cloud = points::read::<D>(path).map_err(|error| SpecError::value(key, error.to_string()))?;
-    if body.voids.is_some() || body.region.is_some() {
-        let message = "a body from a file takes neither `region` nor `voids`: its points are all there is";
-        return Err(SpecError::value(key, message));
+    let cloud = points::read::<D>(path)
+        .map_err(|error| SpecError::value(format!("`{key}.placement.path`"), error.to_string()))?;
+    if cloud.positions.is_empty() {
+        let message = format!("{} has no point; a body has one or more", path.display());
+        return Err(SpecError::value(format!("`{key}.placement.path`"), message));
     }
-    if !(filled_volume > 0.0 && filled_volume.is_finite()) {
-        let message = format!("is {filled_volume}; allowed: finite and > 0");
-        return Err(SpecError::value(format!("{key}.placement.filled_volume"), message));
-    }
-    let volume = filled_volume / cloud.positions.len().max(1) as f64;
+    let volume = filled_volume / cloud.positions.len() as f64;
     let mut particles: Vec<_> = cloud.positions.iter().map(|&x| at_rest(x, volume, body)).collect();
     for (particle, velocity) in particles.iter_mut().zip(cloud.velocities.iter().flatten()) {
         particle.velocity = *velocity;
@@ -233,17 +233,8 @@ fn at_rest<const D: usize>(position: Vector<f64, D>, volume: f64, body: &BodySpe
     }
 }
 
-fn grid_phase<const D: usize>(
-    body: &BodySpec,
-    key: &str,
-    streams: &Streams,
-) -> Result<Vector<f64, D>, SpecError> {
-    if !(body.phase_shift >= 0.0 && body.phase_shift.is_finite()) {
-        let message = format!("is {}; allowed: finite and >= 0", body.phase_shift);
-        return Err(SpecError::value(format!("{key}.phase_shift"), message));
-    }
-    let mut stream = streams.stream(Purpose::GridPhase);
-    Ok(rng::uniform_vector::<D>(&mut stream) * body.phase_shift)
+fn grid_phase<const D: usize>(body: &BodySpec, streams: &Streams) -> Vector<f64, D> {
+    rng::uniform_vector::<D>(&mut streams.stream(Purpose::GridPhase)) * body.phase_shift
 }
 
 /// R / v: half the largest extent of the first body's region, or of all particles without one, over its speed.
@@ -267,6 +258,24 @@ fn crossing_time<const D: usize>(
     Ok(0.5 * extent / vector_or_zero::<D>(&body.velocity, "body.0.velocity")?.norm())
 }
 
+/// Nodes are counted by 32 bits: a body this many cells from the local origin has room to move as far again.
+const MOST_CELLS: f64 = (1_u32 << 30) as f64;
+
+fn check_reach<const D: usize>(
+    particles: &[InitialParticle<D>],
+    origin: &Vector<f64, D>,
+    spacing: f64,
+) -> Result<(), SpecError> {
+    let reach = particles.iter().map(|p| (p.position - origin).amax()).fold(0.0, f64::max) / spacing;
+    if reach < MOST_CELLS {
+        return Ok(());
+    }
+    let message = format!(
+        "is {spacing:?}, so that the bodies reach {reach:.3e} cells from their middle; allowed: {MOST_CELLS}"
+    );
+    Err(SpecError::value("`numerics.spacing`", message))
+}
+
 fn local_origin<const D: usize>(particles: &[InitialParticle<D>], spacing: f64) -> Vector<f64, D> {
     let mean = particles.iter().fold(Vector::<f64, D>::zeros(), |sum, p| sum + p.position)
         / particles.len().max(1) as f64;
@@ -278,13 +287,6 @@ fn scene<T: Real, const D: usize>(
     origin: &Vector<f64, D>,
 ) -> Result<Scene<T, D>, SpecError> {
     let n = &spec.numerics;
-    for (key, value) in
-        [("numerics.spacing", n.spacing), ("output.frame_interval", spec.output.frame_interval)]
-    {
-        if !(value > 0.0 && value.is_finite()) {
-            return Err(SpecError::value(key, format!("is {value}; allowed: finite and > 0")));
-        }
-    }
     let colliders = spec.collider.iter().enumerate();
     Ok(Scene {
         spacing: T::of(n.spacing),
@@ -297,12 +299,7 @@ fn scene<T: Real, const D: usize>(
             AdvectionName::Interpolated => Advection::Interpolated,
             AdvectionName::Blended => Advection::Blended,
         },
-        materials: spec
-            .body
-            .iter()
-            .enumerate()
-            .map(|(k, body)| material(&body.material, k))
-            .collect::<Result<_, _>>()?,
+        materials: spec.body.iter().map(|body| material(&body.material)).collect(),
         colliders: colliders.map(|(k, c)| collider(c, k, origin, n.spacing)).collect::<Result<_, _>>()?,
         gravity: vector_or_zero::<D>(&spec.gravity, "gravity")?.map(T::of),
         time_step: time_step(n),
@@ -337,22 +334,14 @@ fn time_step(n: &NumericsSpec) -> TimeStepControl {
     }
 }
 
-fn material<T: Real>(spec: &MaterialSpec, number: usize) -> Result<Material<T>, SpecError> {
-    let (young, poisson, density) = match *spec {
-        MaterialSpec::Snow { young, poisson, density, .. } => (young, poisson, density),
-        MaterialSpec::Elastic { young, poisson, density } => (young, poisson, density),
-    };
-    let check = |holds: bool, key: &str, value: f64, allowed: &str| {
-        let place = format!("body.{number}.material.{key}");
-        if holds { Ok(()) } else { Err(SpecError::value(place, format!("is {value}; allowed: {allowed}"))) }
-    };
-    check(young > 0.0 && young.is_finite(), "young", young, "finite and > 0 [Pa]")?;
-    check((0.0..0.5).contains(&poisson), "poisson", poisson, "from 0 to below 0.5")?;
-    check(density > 0.0 && density.is_finite(), "density", density, "finite and > 0 [kg/m^D]")?;
-    let lame = Lame::from_young(young, poisson);
-    Ok(match *spec {
-        MaterialSpec::Elastic { .. } => Material::Elastic(Elastic { lame }),
+fn material<T: Real>(spec: &MaterialSpec) -> Material<T> {
+    match *spec {
+        MaterialSpec::Elastic { young, poisson, .. } => {
+            Material::Elastic(Elastic { lame: Lame::from_young(young, poisson) })
+        }
         MaterialSpec::Snow {
+            young,
+            poisson,
             critical_compression,
             critical_stretch,
             hardening,
@@ -361,14 +350,14 @@ fn material<T: Real>(spec: &MaterialSpec, number: usize) -> Result<Material<T>, 
         } => {
             let [lower, upper] = plastic_ratio_bounds.unwrap_or([0.0, f64::INFINITY]);
             Material::Snow(Snow {
-                lame,
+                lame: Lame::from_young(young, poisson),
                 critical_compression: T::of(critical_compression),
                 critical_stretch: T::of(critical_stretch),
                 hardening: T::of(hardening),
                 plastic_ratio_bounds: (T::of(lower), T::of(upper)),
             })
         }
-    })
+    }
 }
 
 fn collider<T: Real, const D: usize>(
@@ -381,7 +370,7 @@ fn collider<T: Real, const D: usize>(
     let at = |values: &[f64], name: &str| vector::<D>(values, &format!("{key}.shape.{name}"));
     let shape = match &spec.shape {
         SolidSpec::HalfSpace { point, normal } => {
-            half_space(at(point, "point")? - origin, at(normal, "normal")?, spacing, &key)?
+            half_space(at(point, "point")? - origin, at(normal, "normal")?, spacing)
         }
         SolidSpec::Ball { centre, radius } => {
             Shape::Ball { centre: (at(centre, "centre")? - origin).map(T::of), radius: T::of(*radius) }
@@ -392,7 +381,7 @@ fn collider<T: Real, const D: usize>(
             orientation: snowlab_sampler::rotation::<D>(angle.to_radians()).map(T::of),
         },
     };
-    Ok(Collider {
+    let collider = Collider {
         shape,
         contact: match spec.contact {
             ContactName::Separate => Contact::Separate,
@@ -402,7 +391,13 @@ fn collider<T: Real, const D: usize>(
         },
         friction: T::of(spec.friction),
         velocity: vector_or_zero::<D>(&spec.velocity, &format!("{key}.velocity"))?.map(T::of),
-    })
+    };
+    if collider.contact == Contact::Mirror {
+        collider
+            .mirror_plane(T::of(spacing))
+            .map_err(|error| SpecError::value(format!("`{key}`"), error.to_string()))?;
+    }
+    Ok(collider)
 }
 
 /// A plane across an axis that lies on a row of nodes to within 1e-6 of a cell is put exactly where the grid puts that row,
@@ -411,16 +406,8 @@ fn half_space<T: Real, const D: usize>(
     mut point: Vector<f64, D>,
     normal: Vector<f64, D>,
     spacing: f64,
-    key: &str,
-) -> Result<Shape<T, D>, SpecError> {
-    let length = normal.norm();
-    if !(length > 0.0 && length.is_finite()) {
-        return Err(SpecError::value(
-            format!("{key}.shape.normal"),
-            "has no direction; give a vector that is not zero",
-        ));
-    }
-    let normal = normal / length;
+) -> Shape<T, D> {
+    let normal = normal.normalize();
     let mut local = point.map(T::of);
     if let Some(axis) = (0..D).find(|&k| normal[k].abs() == 1.0) {
         let row = (point[axis] / spacing).round();
@@ -429,7 +416,7 @@ fn half_space<T: Real, const D: usize>(
             local[axis] = T::of_index(row as i32) * T::of(spacing);
         }
     }
-    Ok(Shape::HalfSpace { point: local, normal: normal.map(T::of) })
+    Shape::HalfSpace { point: local, normal: normal.map(T::of) }
 }
 
 /// The region a body's words describe.

@@ -5,8 +5,10 @@ use std::collections::BTreeSet;
 use toml::Value;
 
 use crate::spec::override_path;
-use crate::spec::study::{ArmSpec, BlockSpec, MeasureSpec, ProfileSpec, StudySpec, SweepSpec};
-use crate::spec::{SceneSpec, SpecError};
+use crate::spec::study::{
+    ArmSpec, BlockSpec, DEFAULT_PROFILE, MeasureSpec, ProfileSpec, StudySpec, SweepSpec,
+};
+use crate::spec::{self, SceneSpec, Spec, SpecError};
 
 /// One run of a study.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,9 +37,7 @@ pub struct Study {
 }
 
 /// More cases than this are refused (chosen: far more than a cluster runs of one study, far less than memory holds).
-const MOST_CASES: usize = 1_000_000;
-/// The profile of a study run without one.
-pub const DEFAULT_PROFILE: &str = "default";
+const MOST_CASES: u64 = 1_000_000;
 
 impl Study {
     /// Expands `spec` under the profile of the given name.
@@ -45,18 +45,15 @@ impl Study {
     /// # Errors
     /// [`SpecError::Value`], naming arm and key.
     pub fn expand(spec: StudySpec, profile: Option<&str>) -> Result<Self, SpecError> {
+        spec.validate()?;
         let name = profile.unwrap_or(DEFAULT_PROFILE);
         let chosen = profile_of(&spec, profile)?;
-        check_names(&spec, &chosen)?;
+        check_count(&spec, &chosen)?;
         let mut cases = Vec::new();
         for arm in spec.arm.iter().filter(|arm| runs(&chosen, arm)) {
             for axes in combinations(&spec.sweep) {
                 let scene = scene_of(&spec, &chosen, arm, &axes)?;
                 let blocks = blocks_of(&spec, &chosen, arm);
-                if cases.len() as u64 + blocks.count > MOST_CASES as u64 {
-                    let message = format!("more than {MOST_CASES} cases; make the sweep or the blocks fewer");
-                    return Err(SpecError::value(&spec.name, message));
-                }
                 for block in blocks.first..blocks.first + blocks.count {
                     cases.push(Case {
                         arm: arm.id.clone(),
@@ -89,47 +86,29 @@ fn profile_of(spec: &StudySpec, profile: Option<&str>) -> Result<ProfileSpec, Sp
         None => Ok(spec.profile.get(DEFAULT_PROFILE).cloned().unwrap_or_default()),
         Some(name) => spec.profile.get(name).cloned().ok_or_else(|| {
             let known: Vec<_> = spec.profile.keys().map(String::as_str).collect();
-            let message = format!("has no profile `{name}`; it has: {}", known.join(", "));
-            SpecError::value(&spec.name, message)
+            let message = format!("is not in the study; it has: {}", known.join(", "));
+            SpecError::value(format!("profile `{name}`"), message)
         }),
     }
 }
 
-fn check_names(spec: &StudySpec, profile: &ProfileSpec) -> Result<(), SpecError> {
-    let plain = |name: &str| {
-        !name.is_empty()
-            && name.len() <= 64
-            && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || "-_.".contains(c))
-            && !name.starts_with('.')
-    };
-    let mut seen = BTreeSet::new();
-    for name in std::iter::once(&spec.name).chain(spec.arm.iter().map(|arm| &arm.id)) {
-        if !plain(name) {
-            let message = "names have 1 to 64 of the characters a-z 0-9 - _ . and do not begin with a dot";
-            return Err(SpecError::value(format!("name `{name}`"), message));
-        }
+/// Counts the cases before any is made.
+fn check_count(spec: &StudySpec, profile: &ProfileSpec) -> Result<(), SpecError> {
+    let points = spec.sweep.iter().fold(1_u64, |n, axis| n.saturating_mul(axis.values.len() as u64));
+    let blocks = spec
+        .arm
+        .iter()
+        .filter(|arm| runs(profile, arm))
+        .fold(0_u64, |sum, arm| sum.saturating_add(blocks_of(spec, profile, arm).count));
+    let cases = points.saturating_mul(blocks);
+    if cases <= MOST_CASES {
+        return Ok(());
     }
-    for arm in &spec.arm {
-        if !seen.insert(&arm.id) {
-            return Err(SpecError::value(
-                format!("arm `{}`", arm.id),
-                "stands twice; give each arm its own id",
-            ));
-        }
-    }
-    let known = |id: &String| seen.contains(id);
-    let used = profile.arms.iter().flatten().chain(profile.arm_set.keys()).chain(&spec.noise_floor);
-    if let Some(id) = used.chain(spec.expect.iter().flat_map(|e| &e.arms)).find(|id| !known(id)) {
-        return Err(SpecError::value(format!("arm `{id}`"), "is not among the study's arms"));
-    }
-    for claim in spec.claim.iter().chain(&spec.control) {
-        claim.validate().map_err(|error| SpecError::value(&spec.name, error.to_string()))?;
-        if let Some(id) = claim.arms().into_iter().find(|id| !known(&id.to_string())) {
-            let message = format!("names the arm `{id}`, which the study does not have");
-            return Err(SpecError::value(format!("claim `{}`", claim.id), message));
-        }
-    }
-    Ok(())
+    let message = format!(
+        "{cases} cases ({points} points of the sweep, {blocks} blocks of all arms together); allowed: \
+         {MOST_CASES}; make the sweep or the blocks fewer"
+    );
+    Err(SpecError::value("`sweep`, `blocks`", message))
 }
 
 fn runs(profile: &ProfileSpec, arm: &ArmSpec) -> bool {
@@ -186,12 +165,12 @@ fn scene_of(
     axes: &[AxisPoint],
 ) -> Result<SceneSpec, SpecError> {
     let mut scene = Value::Table(spec.scene.clone());
-    let place = format!("{}: arm `{}`", spec.name, arm.id);
+    let place = format!("arm `{}`", arm.id);
     let own = profile.arm_set.get(&arm.id).into_iter().flatten();
     let settings = profile.set.iter().chain(&arm.set).chain(own);
     for (path, value) in settings.chain(axes.iter().map(|axis| (&axis.path, &axis.value))) {
         override_path::set(&mut scene, path, value.clone())
-            .map_err(|message| SpecError::value(format!("{place}, key `{path}`"), message))?;
+            .map_err(|message| SpecError::value(format!("{place}, path `{path}`"), message))?;
     }
-    scene.try_into().map_err(|error: toml::de::Error| SpecError::value(place, error.to_string()))
+    spec::scene_of(&scene).map_err(|error| error.within(place))
 }

@@ -17,9 +17,10 @@ pub fn simulate(path: &Path, out: &Path) -> anyhow::Result<Exit> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut writer = FrameWriter { out: out.into(), frames: 0, error: None };
     let record = match scene.dimension {
-        3 => run_scene::<3>(&scene, folder, &mut writer)?.record,
-        _ => run_scene::<2>(&scene, folder, &mut writer)?.record,
+        3 => run_scene::<3>(&scene, folder, &mut writer).map(|run| run.record),
+        _ => run_scene::<2>(&scene, folder, &mut writer).map(|run| run.record),
     };
+    let record = record.map_err(|error| error.within(path.display()))?;
     if let Some(error) = writer.error {
         return Err(error);
     }

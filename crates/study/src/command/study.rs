@@ -22,7 +22,9 @@ struct Opened {
 
 fn open(arguments: &StudyArguments) -> anyhow::Result<Opened> {
     let (spec, text) = spec::read::<StudySpec>(&arguments.file)?;
-    Ok(Opened { study: Study::expand(spec, arguments.profile.as_deref())?, text })
+    let study = Study::expand(spec, arguments.profile.as_deref())
+        .map_err(|error| error.within(arguments.file.display()))?;
+    Ok(Opened { study, text })
 }
 
 fn folder(arguments: &StudyArguments) -> &Path {

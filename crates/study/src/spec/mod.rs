@@ -1,37 +1,36 @@
 //! What a user writes: scene and study files in TOML. Every key is documented in `docs/input.md`.
 
 pub mod override_path;
+pub mod range;
+mod refusal;
 pub mod scene;
+pub mod scene_rules;
 pub mod study;
+pub mod study_rules;
 
 pub use scene::SceneSpec;
 pub use study::StudySpec;
 
+use std::fmt::Display;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 use thiserror::Error;
+use toml::Value;
 
 /// A file that cannot be used as it is.
 #[derive(Debug, Error)]
 pub enum SpecError {
     /// The file cannot be read.
-    #[error("{}: cannot be read ({source}); check the path and its permissions", path.display())]
+    #[error("{}: cannot be read; check the path and its permissions", path.display())]
     Read {
         /// The file.
         path: PathBuf,
         /// Why.
         source: std::io::Error,
     },
-    /// It is not TOML, or a key is unknown, missing or of the wrong kind.
-    #[error("{}: {message}", path.display())]
-    Parse {
-        /// The file.
-        path: PathBuf,
-        /// The parser's words, with line and column.
-        message: String,
-    },
-    /// A value that means nothing.
+    /// Something that means nothing.
     #[error("{place}: {message}")]
     Value {
         /// File or case, and key.
@@ -46,24 +45,93 @@ impl SpecError {
     pub fn value(place: impl Into<String>, message: impl Into<String>) -> Self {
         SpecError::Value { place: place.into(), message: message.into() }
     }
+
+    /// The same error with `place` before its own place.
+    pub fn within(self, place: impl Display) -> Self {
+        match self {
+            SpecError::Value { place: inner, message } => {
+                SpecError::Value { place: format!("{place}: {inner}"), message }
+            }
+            other => other,
+        }
+    }
 }
 
-/// Files longer than this are refused unread (chosen: a thousand times the largest study of the project).
+/// Files longer than this are refused (chosen: a thousand times the largest study of the project).
 const MOST_BYTES: u64 = 16 << 20;
 
-/// Reads and parses a TOML file; its text comes with it.
+/// What a file can hold.
+pub trait Spec: DeserializeOwned {
+    /// Refuses values that no case can have.
+    ///
+    /// # Errors
+    /// [`SpecError::Value`], naming the key.
+    fn validate(&self) -> Result<(), SpecError>;
+}
+
+/// Reads a TOML file; its text comes with it.
 ///
 /// # Errors
 /// [`SpecError`], naming file, line and key.
-pub fn read<S: DeserializeOwned>(path: &Path) -> Result<(S, String), SpecError> {
-    let failed = |source| SpecError::Read { path: path.into(), source };
-    let bytes = std::fs::metadata(path).map_err(failed)?.len();
-    if bytes > MOST_BYTES {
-        let message = format!("has {bytes} bytes; a scene or study has at most {MOST_BYTES}");
-        return Err(SpecError::value(path.display().to_string(), message));
-    }
-    let text = std::fs::read_to_string(path).map_err(failed)?;
-    let spec = toml::from_str(&text)
-        .map_err(|error| SpecError::Parse { path: path.into(), message: error.to_string() })?;
+pub fn read<S: Spec>(path: &Path) -> Result<(S, String), SpecError> {
+    let text = read_text(path)?;
+    let spec = parse::<S>(&text).map_err(|error| error.within(path.display()))?;
     Ok((spec, text))
+}
+
+fn read_text(path: &Path) -> Result<String, SpecError> {
+    let failed = |source| SpecError::Read { path: path.into(), source };
+    let refused = |message: String| Err(SpecError::value(path.display().to_string(), message));
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path).map_err(failed)?;
+    file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > MOST_BYTES {
+        return refused(format!("has more than {MOST_BYTES} bytes, the most a scene or study may have"));
+    }
+    String::from_utf8(bytes).or_else(|error| {
+        let place = error.utf8_error().valid_up_to();
+        refused(format!("is not text in UTF-8: byte {} cannot be read; save it as UTF-8", place + 1))
+    })
+}
+
+/// Parses and validates the text of a file.
+///
+/// # Errors
+/// [`SpecError::Value`], naming line and key.
+pub fn parse<S: Spec>(text: &str) -> Result<S, SpecError> {
+    let syntax = |error: toml::de::Error| {
+        SpecError::value(line_of(text, &error), refusal::in_plain_words(error.message()))
+    };
+    let document: toml::Table = toml::from_str(text).map_err(syntax)?;
+    let spec = refusal::parse::<S>(&Value::Table(document), text.len()).map_err(|(key, message)| {
+        // The text's own error tells the line, where it is the same one.
+        let own = toml::from_str::<S>(text).err();
+        let same = own.filter(|error| refusal::in_plain_words(error.message()) == message);
+        let places = [same.map(|error| line_of(text, &error)), named(&key)];
+        SpecError::value(places.into_iter().flatten().collect::<Vec<_>>().join(", "), message)
+    })?;
+    spec.validate()?;
+    Ok(spec)
+}
+
+/// Turns a scene put together from a study's parts into a scene.
+///
+/// # Errors
+/// [`SpecError::Value`], naming the key.
+pub fn scene_of(document: &Value) -> Result<SceneSpec, SpecError> {
+    let bytes = document.to_string().len();
+    let refused =
+        |(key, message): (String, String)| SpecError::value(named(&key).unwrap_or("scene".into()), message);
+    let scene = refusal::parse::<SceneSpec>(document, bytes).map_err(refused)?;
+    scene.validate()?;
+    Ok(scene)
+}
+
+fn named(key: &str) -> Option<String> {
+    (!key.is_empty()).then(|| format!("`{key}`"))
+}
+
+fn line_of(text: &str, error: &toml::de::Error) -> String {
+    let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+    format!("line {}", before.matches('\n').count() + 1)
 }

@@ -2,11 +2,17 @@
 
 use toml::Value;
 
+/// Parts of a path (chosen: twice what the deepest scene of the studies has; what is set is walked recursively).
+const MOST_PARTS: usize = 32;
+
 /// Sets `path` in `table` to `value`; tables on the way are made, arrays are indexed by number.
 ///
 /// # Errors
 /// What is in the way, in words.
 pub fn set(table: &mut Value, path: &str, value: Value) -> Result<(), String> {
+    if path.split('.').count() > MOST_PARTS {
+        return Err(format!("the path has more than {MOST_PARTS} parts"));
+    }
     let mut place = table;
     let mut walked = String::new();
     for part in path.split('.') {

@@ -6,8 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::claims::Claim;
 
+/// The profile of a study run without one.
+pub const DEFAULT_PROFILE: &str = "default";
+
 /// A study.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StudySpec {
     /// Name; results go to `<out>/<name>`.
@@ -56,7 +59,7 @@ pub struct BlockSpec {
 }
 
 /// One arm.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ArmSpec {
     /// Short name.
@@ -76,7 +79,7 @@ pub struct ArmSpec {
 }
 
 /// One axis of a sweep.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SweepSpec {
     /// Name of the axis: a column of the tables.
@@ -155,7 +158,7 @@ pub enum ExpectStatistic {
 }
 
 /// A variation of the whole study.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProfileSpec {
     /// Values set in the scene of every arm, before the arm's own.

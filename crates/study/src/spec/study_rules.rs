@@ -1,0 +1,213 @@
+//! What a study may say: names, numbers, and what its parts say of one another.
+
+use std::collections::BTreeSet;
+
+use super::range::{NOT_NEGATIVE, POSITIVE, Range, at_least, within};
+use super::study::{BlockSpec, DEFAULT_PROFILE, ExpectSpec, MeasureSpec, ProfileSpec, SweepSpec};
+use super::{Spec, SpecError, StudySpec};
+use crate::claims::Claim;
+use crate::tables::OWN_COLUMNS;
+
+/// Every number of a study with a range, by its key; a profile's `blocks` and `measure` have the same.
+pub const RULES: &[(&str, Range)] = &[
+    ("blocks.first", NOT_NEGATIVE),
+    ("blocks.count", at_least(1.0)),
+    ("arm.*.blocks", at_least(1.0)),
+    ("measure.largest_spacing", within(0.0, 1e6).open_below()),
+    ("measure.link_ratio", POSITIVE),
+    ("measure.min_mass_share", within(0.0, 1.0)),
+    ("measure.bodies", at_least(1.0)),
+    ("measure.settle_window", NOT_NEGATIVE),
+];
+
+impl Spec for StudySpec {
+    fn validate(&self) -> Result<(), SpecError> {
+        check_name("`name`", &self.name)?;
+        self.check_arms()?;
+        check_blocks("blocks", &self.blocks)?;
+        check_measure("measure", &self.measure)?;
+        if self.scene.contains_key("seed") {
+            return refuse("`scene.seed`", "is the number of the block in a study; set `blocks.first`");
+        }
+        self.check_sweep()?;
+        let known = |place: String, id: &str| self.check_arm(place, id);
+        self.noise_floor.iter().try_for_each(|id| known("`noise_floor`".into(), id))?;
+        for (family, claims) in [("claim", &self.claim), ("control", &self.control)] {
+            claims.iter().enumerate().try_for_each(|(n, claim)| self.check_claim(family, n, claim))?;
+        }
+        self.expect.iter().enumerate().try_for_each(|(n, expect)| self.check_expect(n, expect))?;
+        self.profile.iter().try_for_each(|(name, profile)| self.check_profile(name, profile))
+    }
+}
+
+impl StudySpec {
+    fn check_arms(&self) -> Result<(), SpecError> {
+        if self.arm.is_empty() {
+            return refuse("`arm`", "is empty; a study has one [[arm]] or more");
+        }
+        let mut seen = BTreeSet::new();
+        for (number, arm) in self.arm.iter().enumerate() {
+            let place = format!("`arm.{number}.id`");
+            check_name(&place, &arm.id)?;
+            if !seen.insert(&arm.id) {
+                let message = format!("is \"{}\", which stands twice; give each arm its own id", arm.id);
+                return refuse(place, message);
+            }
+            if let Some(count) = arm.blocks {
+                check_number(&format!("arm.{number}.blocks"), "arm.*.blocks", count as f64)?;
+            }
+            self.check_seed_is_not_set(&format!("arm.{number}.set"), arm.set.keys())?;
+            // It becomes the name of a file.
+            arm.picture.iter().try_for_each(|name| check_name(&format!("`arm.{number}.picture`"), name))?;
+        }
+        Ok(())
+    }
+
+    fn check_seed_is_not_set<'a>(
+        &self,
+        place: &str,
+        mut paths: impl Iterator<Item = &'a String>,
+    ) -> Result<(), SpecError> {
+        if paths.any(|path| path == "seed") {
+            return refuse(
+                format!("`{place}`"),
+                "sets `seed`, which is the number of the block; set `blocks.first`",
+            );
+        }
+        Ok(())
+    }
+
+    fn check_arm(&self, place: String, id: &str) -> Result<(), SpecError> {
+        if self.arm.iter().any(|arm| arm.id == id) {
+            return Ok(());
+        }
+        let known: Vec<&str> = self.arm.iter().map(|arm| arm.id.as_str()).collect();
+        refuse(place, format!("names the arm \"{id}\"; the study has: {}", known.join(", ")))
+    }
+
+    fn check_sweep(&self) -> Result<(), SpecError> {
+        let mut names: BTreeSet<&str> = OWN_COLUMNS.into();
+        let mut paths = BTreeSet::new();
+        for (number, axis) in self.sweep.iter().enumerate() {
+            let place = |key: &str| format!("`sweep.{number}.{key}`");
+            check_name(&place("name"), &axis.name)?;
+            if !names.insert(&axis.name) {
+                let message = format!("is \"{}\", which a column of the tables has already", axis.name);
+                return refuse(place("name"), message);
+            }
+            if !paths.insert(&axis.path) {
+                let message = format!("is \"{}\", which another axis sets; join their values", axis.path);
+                return refuse(place("path"), message);
+            }
+            self.check_seed_is_not_set(&format!("sweep.{number}.path"), std::iter::once(&axis.path))?;
+            check_values(axis, place)?;
+        }
+        Ok(())
+    }
+
+    fn check_claim(&self, family: &str, number: usize, claim: &Claim) -> Result<(), SpecError> {
+        let place = format!("`{family}.{number}.contrast`");
+        claim.validate().or_else(|error| refuse(&place, error.to_string()))?;
+        claim.arms().into_iter().try_for_each(|id| self.check_arm(place.clone(), id))?;
+        if self.sweep.iter().any(|axis| axis.values.len() > 1) {
+            let message = "compares arms, which a sweep runs more than once in a block; leave out [[sweep]]";
+            return refuse(place, message);
+        }
+        Ok(())
+    }
+
+    fn check_expect(&self, number: usize, expect: &ExpectSpec) -> Result<(), SpecError> {
+        let place = |key: &str| format!("`expect.{number}.{key}`");
+        let [least, greatest] = expect.range;
+        if !(least <= greatest) {
+            let message = format!("is [{least:?}, {greatest:?}]; allowed: [least, greatest], least first");
+            return refuse(place("range"), message);
+        }
+        expect.arms.iter().try_for_each(|id| self.check_arm(place("arms"), id))?;
+        for name in &expect.profiles {
+            if name != DEFAULT_PROFILE && !self.profile.contains_key(name) {
+                let known: Vec<&str> = self.profile.keys().map(String::as_str).collect();
+                let message = format!(
+                    "names the profile \"{name}\"; the study has: {DEFAULT_PROFILE}, {}",
+                    known.join(", ")
+                );
+                return refuse(place("profiles"), message);
+            }
+        }
+        Ok(())
+    }
+
+    fn check_profile(&self, name: &str, profile: &ProfileSpec) -> Result<(), SpecError> {
+        let key = format!("profile.{name}");
+        let place = |inner: &str| format!("`{key}.{inner}`");
+        if profile.arms.as_ref().is_some_and(Vec::is_empty) {
+            return refuse(place("arms"), "is empty; name the arms to run, or leave it out to run all");
+        }
+        profile.arms.iter().flatten().try_for_each(|id| self.check_arm(place("arms"), id))?;
+        self.check_seed_is_not_set(&format!("{key}.set"), profile.set.keys())?;
+        for (id, set) in &profile.arm_set {
+            self.check_arm(place("arm_set"), id)?;
+            self.check_seed_is_not_set(&format!("{key}.arm_set.{id}"), set.keys())?;
+        }
+        profile.blocks.iter().try_for_each(|blocks| check_blocks(&format!("{key}.blocks"), blocks))?;
+        profile.measure.iter().try_for_each(|measure| check_measure(&format!("{key}.measure"), measure))
+    }
+}
+
+fn check_values(axis: &SweepSpec, place: impl Fn(&str) -> String) -> Result<(), SpecError> {
+    if axis.values.is_empty() {
+        return refuse(place("values"), "is empty; give the axis one value or more");
+    }
+    match &axis.numbers {
+        Some(numbers) if numbers.len() != axis.values.len() => {
+            let message = format!("has {} entries for {} values", numbers.len(), axis.values.len());
+            refuse(place("numbers"), message)
+        }
+        Some(numbers) if !numbers.iter().all(|number| number.is_finite()) => {
+            refuse(place("numbers"), format!("is {numbers:?}; allowed: finite numbers"))
+        }
+        None if !axis.values.iter().all(|value| value.is_float() || value.is_integer()) => refuse(
+            place("values"),
+            "are not numbers, so that tables cannot show them; give `numbers` to stand for them",
+        ),
+        _ => Ok(()),
+    }
+}
+
+fn check_blocks(key: &str, blocks: &BlockSpec) -> Result<(), SpecError> {
+    check_number(&format!("{key}.count"), "blocks.count", blocks.count as f64)
+}
+
+fn check_measure(key: &str, measure: &MeasureSpec) -> Result<(), SpecError> {
+    for (name, value) in [
+        ("largest_spacing", measure.largest_spacing),
+        ("link_ratio", measure.link_ratio),
+        ("min_mass_share", measure.min_mass_share),
+        ("bodies", measure.bodies as f64),
+        ("settle_window", measure.settle_window),
+    ] {
+        check_number(&format!("{key}.{name}"), &format!("measure.{name}"), value)?;
+    }
+    Ok(())
+}
+
+fn check_number(place: &str, key: &str, value: f64) -> Result<(), SpecError> {
+    match RULES.iter().find(|(known, range)| *known == key && !range.contains(value)) {
+        None => Ok(()),
+        Some((_, range)) => refuse(format!("`{place}`"), format!("is {value}; allowed: {range}")),
+    }
+}
+
+fn check_name(place: &str, name: &str) -> Result<(), SpecError> {
+    let plain = (1..=64).contains(&name.len())
+        && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || "-_.".contains(c))
+        && !name.starts_with('.');
+    if plain {
+        return Ok(());
+    }
+    refuse(place, format!("is \"{name}\"; allowed: 1 to 64 of the characters a-z 0-9 - _ . and no dot first"))
+}
+
+fn refuse(place: impl Into<String>, message: impl Into<String>) -> Result<(), SpecError> {
+    Err(SpecError::value(place, message))
+}
