@@ -143,7 +143,8 @@ pub(crate) struct Interval<T> {
 }
 
 /// Stage 8: obstacles act on particles: on the velocity a particle keeps and on the one that moves it. Contact is tested
-/// where the particle would arrive, so that none ends a step inside an obstacle that it was outside of.
+/// where the particle would arrive, so that none ends a step inside a flat face that it was outside of; into a ball of radius R it may slide
+/// by the sagitta (v dt)^2 / 2R.
 pub(crate) fn collide_particles<T: Real, const D: usize>(
     scene: &Scene<T, D>,
     constants: &ParticleConstants<T>,

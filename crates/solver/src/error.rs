@@ -28,13 +28,13 @@ pub enum SceneError {
         allowed: &'static str,
     },
     /// Fields of different lengths.
-    #[error("{field} has {found} entries for {expected} particles")]
+    #[error("{field} has {found} entries; expected: {expected}")]
     Length {
         /// Which field.
         field: &'static str,
         /// Its length.
         found: usize,
-        /// The number of particles.
+        /// The length it should have.
         expected: usize,
     },
     /// A mirror that is not a plane of nodes.

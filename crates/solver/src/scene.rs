@@ -2,9 +2,10 @@
 
 use crate::collision::{Collider, Contact};
 use crate::error::SceneError;
-use crate::geometry::{Shape, Vector};
+use crate::geometry::{Matrix, Shape, Vector};
 use crate::kernel::KernelKind;
 use crate::material::{ConstitutiveModel, Material};
+use crate::math::{determinant, norm_squared};
 use crate::real::Real;
 
 /// The share of the FLIP velocity in `v_p = (1 - a) PIC + a FLIP`.
@@ -153,16 +154,32 @@ impl<T: Real, const D: usize> Scene<T, D> {
         for k in 0..D {
             finite("collider velocity", collider.velocity[k].as_f64())?;
         }
+        let place = match &collider.shape {
+            Shape::HalfSpace { point, .. } => point,
+            Shape::Ball { centre, .. } | Shape::Box { centre, .. } => centre,
+        };
+        for k in 0..D {
+            finite("collider position", place[k].as_f64())?;
+        }
         match &collider.shape {
             Shape::HalfSpace { normal, .. } => {
                 let length = normal.norm().as_f64();
                 require((length - 1.0).abs() < 1e-5, "half-space normal length", length, "1")?;
             }
             Shape::Ball { radius, .. } => positive("ball collider radius", radius.as_f64())?,
-            Shape::Box { half_extent, .. } => {
+            Shape::Box { half_extent, orientation, .. } => {
                 for k in 0..D {
                     positive("box collider half extent", half_extent[k].as_f64())?;
                 }
+                let skew =
+                    norm_squared(&(orientation.transpose() * orientation - Matrix::identity())).as_f64();
+                let turned = skew < 1e-10 && determinant(orientation) > T::zero();
+                require(
+                    turned,
+                    "box collider orientation",
+                    skew.sqrt(),
+                    "a proper rotation, |Q^T Q - I| < 1e-5",
+                )?;
             }
         }
         if collider.contact == Contact::Mirror {
@@ -205,6 +222,8 @@ fn validate_transfer(transfer: &Transfer) -> Result<(), SceneError> {
 }
 
 fn validate_time_step(control: &TimeStepControl) -> Result<(), SceneError> {
+    let tolerance = control.watchdog_tolerance;
+    require(tolerance >= 0.0 && tolerance.is_finite(), "watchdog tolerance", tolerance, "finite and >= 0")?;
     match control.length {
         StepLength::Fixed(dt) => positive("fixed time step", dt),
         StepLength::Adaptive { wave, advection, greatest } => {

@@ -34,7 +34,7 @@ impl<T: Real, const D: usize> Simulation<T, D> {
     /// A run of `scene` from `state`.
     ///
     /// # Errors
-    /// What [`Scene::validate`] finds.
+    /// What [`Scene::validate`] and [`State::validate`] find.
     pub fn new(scene: Scene<T, D>, state: State<T, D>) -> Result<Self, SceneError> {
         let workspace = Workspace::new(&scene, &state)?;
         let gravity = scene.gravity.norm().as_f64();

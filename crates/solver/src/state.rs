@@ -61,7 +61,7 @@ impl<T: Real, const D: usize> State<T, D> {
     ) -> Result<Self, SceneError> {
         scene.validate()?;
         for (number, particle) in particles.iter().enumerate() {
-            particle.validate(number, scene.materials.len())?;
+            particle.validate::<T>(number, scene.materials.len())?;
         }
         let field = |f: &dyn Fn(&InitialParticle<D>) -> f64| particles.iter().map(|p| T::of(f(p))).collect();
         let local = |v: Vector<f64, D>| v.map(T::of);
@@ -99,6 +99,33 @@ impl<T: Real, const D: usize> State<T, D> {
     /// Whether there is no particle.
     pub fn is_empty(&self) -> bool {
         self.motion.is_empty()
+    }
+
+    /// Whether the state fits `scene`: one entry a particle in every field, one a collider in the ledger.
+    ///
+    /// # Errors
+    /// The first field of another length.
+    pub fn validate(&self, scene: &Scene<T, D>) -> Result<(), SceneError> {
+        let (motion, constants, particles) = (&self.motion, &self.constants, self.len());
+        let affine = if scene.transfer.keeps_affine() { particles } else { 0 };
+        for (field, found, expected) in [
+            ("velocity", motion.velocity.len(), particles),
+            ("affine", motion.affine.len(), affine),
+            ("deformation", motion.deformation.len(), particles),
+            ("plastic_ratio", motion.plastic_ratio.len(), particles),
+            ("stiffness", motion.stiffness.len(), particles),
+            ("mass", constants.mass.len(), particles),
+            ("volume", constants.volume.len(), particles),
+            ("stiffness_scale", constants.stiffness_scale.len(), particles),
+            ("material", constants.material.len(), particles),
+            ("id", constants.id.len(), particles),
+            ("ledger", self.ledger.colliders.len(), scene.colliders.len()),
+        ] {
+            if found != expected {
+                return Err(SceneError::Length { field, found, expected });
+            }
+        }
+        Ok(())
     }
 
     /// World position of particle `p` [m].
@@ -155,7 +182,7 @@ impl<T: Real, const D: usize> State<T, D> {
 }
 
 impl<const D: usize> InitialParticle<D> {
-    fn validate(&self, particle: usize, materials: usize) -> Result<(), SceneError> {
+    fn validate<T: Real>(&self, particle: usize, materials: usize) -> Result<(), SceneError> {
         let check = |holds: bool, quantity: &'static str, value: f64, allowed: &'static str| {
             if holds { Ok(()) } else { Err(SceneError::Particle { particle, quantity, value, allowed }) }
         };
@@ -166,7 +193,9 @@ impl<const D: usize> InitialParticle<D> {
         for (quantity, value) in
             [("mass", self.mass), ("volume", self.volume), ("stiffness scale", self.stiffness_scale)]
         {
-            check(value > 0.0 && value.is_finite(), quantity, value, "finite and > 0")?;
+            // In the run's precision: what is positive in f64 may be nothing in f32.
+            let kept = T::of(value).as_f64();
+            check(kept > 0.0 && kept.is_finite(), quantity, value, "finite and > 0")?;
         }
         check(
             (self.material as usize) < materials,

@@ -31,9 +31,10 @@ impl<T: Real, const D: usize> Workspace<T, D> {
     /// Scratch memory for `state` in `scene`.
     ///
     /// # Errors
-    /// What [`Scene::validate`] finds.
+    /// What [`Scene::validate`] and [`State::validate`] find.
     pub fn new(scene: &Scene<T, D>, state: &State<T, D>) -> Result<Self, SceneError> {
         scene.validate()?;
+        state.validate(scene)?;
         let lightest = state.constants.mass.iter().fold(f64::INFINITY, |m, mass| m.min(mass.as_f64()));
         let lightest = if state.is_empty() { 0.0 } else { lightest };
         Ok(Workspace {

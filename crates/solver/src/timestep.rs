@@ -7,17 +7,21 @@ use crate::real::Real;
 use crate::scene::{Scene, StepLength, Transfer};
 use crate::state::State;
 
-/// The largest dt max_p c_p / h at which the explicit step is stable for any placement of particles, c_p^2 = (2 mu + D lambda) V / m:
-/// 2 / sqrt(G), G = max sum_i |dw/dx|^2 / w on one axis. Derived in docs/stability.md.
+/// The largest dt max_p c_p / h at which the explicit step is stable for a particle on its own, the least stable placement there is;
+/// c_p^2 = (2 mu + D lambda) V / m. 2 / sqrt(2 g - k): g = max sum_i |dw/dx|^2 / w on one axis bounds the grid's frequency, k is the
+/// part of g that the particle's affine velocity keeps from one step to the next. Derived and measured in docs/stability.md.
 pub fn wave_limit(kernel: KernelKind, transfer: Transfer) -> f64 {
-    let bound = match (kernel, transfer) {
-        // For D^-1 w (x_i - x_p) the sum is D^-1 itself.
-        (KernelKind::Cubic, Transfer::Mls) => Cubic::INVERSE_INERTIA,
-        (KernelKind::Quadratic, Transfer::Mls) => Quadratic::INVERSE_INERTIA,
-        (KernelKind::Cubic, _) => Cubic::GRADIENT_BOUND,
-        (KernelKind::Quadratic, _) => Quadratic::GRADIENT_BOUND,
+    let (bound, inverse_inertia) = match kernel {
+        KernelKind::Cubic => (Cubic::GRADIENT_BOUND, Cubic::INVERSE_INERTIA),
+        KernelKind::Quadratic => (Quadratic::GRADIENT_BOUND, Quadratic::INVERSE_INERTIA),
     };
-    2.0 / bound.sqrt()
+    let (greatest, kept) = match transfer {
+        Transfer::Flip(_) => (bound, 0.0),
+        Transfer::Apic => (bound, inverse_inertia),
+        // For D^-1 w (x_i - x_p) the sum is D^-1 itself.
+        Transfer::Mls => (inverse_inertia, inverse_inertia),
+    };
+    2.0 / (greatest + greatest - kept).sqrt()
 }
 
 /// max_p c_p^2 [m^2/s^2], with the stiffness each particle has now.
