@@ -11,7 +11,7 @@ use crate::metrics::{
     MetricError, Thinning, breaking_stretch, friends_of_friends, mean_over_subsets, stretches_agree, thinning,
 };
 use crate::record::Outcome;
-use crate::results::{CaseError, CaseResult, Ledger};
+use crate::results::{CaseError, CaseResult, Archive};
 use crate::spec::scene::PlacementSpec;
 use crate::tables::usable;
 
@@ -43,15 +43,15 @@ pub struct Judged {
 ///
 /// # Errors
 /// Frames that cannot be read.
-pub fn assess_claims(ledger: &Ledger, results: &[CaseResult]) -> anyhow::Result<(Vec<Judged>, Gates)> {
-    let spec = &ledger.study.spec;
-    let gates = gates(ledger, results)?;
+pub fn assess_claims(archive: &Archive, results: &[CaseResult]) -> anyhow::Result<(Vec<Judged>, Gates)> {
+    let spec = &archive.study.spec;
+    let gates = gates(archive, results)?;
     let mut judged = Vec::new();
     for (family, claims) in [("claim", &spec.claim), ("control", &spec.control)] {
         let mut members = Vec::new();
         for claim in claims {
             if claim.arms().iter().all(|arm| results.iter().any(|r| r.case.arm == *arm)) {
-                members.push((claim.clone(), observations(ledger, results, claim, gates.conditions)?));
+                members.push((claim.clone(), observations(archive, results, claim, gates.conditions)?));
             }
         }
         let assessments = assess_family(&members, Resampling::standard(RESAMPLING_SEED))?;
@@ -66,7 +66,7 @@ pub fn assess_claims(ledger: &Ledger, results: &[CaseResult]) -> anyhow::Result<
 }
 
 fn observations(
-    ledger: &Ledger,
+    archive: &Archive,
     results: &[CaseResult],
     claim: &Claim,
     conditions: Conditions,
@@ -77,8 +77,8 @@ fn observations(
         let count = block.iter().map(|r| r.record.made.particles).min().unwrap_or(0);
         for result in block {
             let measured = match result.case.scene.dimension {
-                3 => remeasure::<3>(ledger, result, count)?,
-                _ => remeasure::<2>(ledger, result, count)?,
+                3 => remeasure::<3>(archive, result, count)?,
+                _ => remeasure::<2>(archive, result, count)?,
             };
             rows.push(arm_value(
                 result,
@@ -131,13 +131,13 @@ struct Remeasured {
 }
 
 fn remeasure<const D: usize>(
-    ledger: &Ledger,
+    archive: &Archive,
     result: &CaseResult,
     count: usize,
 ) -> Result<Option<Remeasured>, CaseError> {
     let Some(metrics) = &result.metrics else { return Ok(None) };
-    let frames: Frames<D> = ledger.store.case(&result.key).read_frames()?;
-    let spec = &ledger.study.measure;
+    let frames: Frames<D> = archive.store.case(&result.key).read_frames()?;
+    let spec = &archive.study.measure;
     let ruler = Ruler::new(spec, &result.case.scene, &result.record);
     let thinning = thinning_of(result);
     let at = |frame: Option<&Frame<D>>, link: f64| -> Result<f64, MetricError> {
@@ -192,8 +192,8 @@ fn whole_at_start<const D: usize>(
     Ok(true)
 }
 
-fn gates(ledger: &Ledger, results: &[CaseResult]) -> Result<Gates, CaseError> {
-    let spec = &ledger.study.spec;
+fn gates(archive: &Archive, results: &[CaseResult]) -> Result<Gates, CaseError> {
+    let spec = &archive.study.spec;
     let mut words = Vec::new();
     let operating_point_found = spec.pilot.as_ref().is_some_and(|pilot| pilot.operating_point_found);
     words.push(match &spec.pilot {
@@ -204,7 +204,7 @@ fn gates(ledger: &Ledger, results: &[CaseResult]) -> Result<Gates, CaseError> {
         None => "operating point: no pilot was made".into(),
     });
     let noise_floor_holds = noise_floor(&spec.noise_floor, results, &mut words);
-    let calibration_agrees = calibration(ledger, results, &mut words)?;
+    let calibration_agrees = calibration(archive, results, &mut words)?;
     Ok(Gates {
         conditions: Conditions { operating_point_found, calibration_agrees, noise_floor_holds },
         words,
@@ -238,16 +238,16 @@ fn noise_floor(arms: &[String], results: &[CaseResult], words: &mut Vec<String>)
 
 /// Under uniform stretch, arms at equal counts must seem to fall apart at the same stretch within 15 %: asked of the first
 /// block of every claim's arms.
-fn calibration(ledger: &Ledger, results: &[CaseResult], words: &mut Vec<String>) -> Result<bool, CaseError> {
+fn calibration(archive: &Archive, results: &[CaseResult], words: &mut Vec<String>) -> Result<bool, CaseError> {
     let mut agrees = true;
-    for claim in &ledger.study.spec.claim {
+    for claim in &archive.study.spec.claim {
         let Some((_, block)) = by_block(results, &claim.arms()).into_iter().next() else { continue };
         let count = block.iter().map(|r| r.record.made.particles).min().unwrap_or(0);
         let mut stretches = Vec::new();
         for result in &block {
             stretches.push(match result.case.scene.dimension {
-                3 => apparent_break::<3>(ledger, result, count)?,
-                _ => apparent_break::<2>(ledger, result, count)?,
+                3 => apparent_break::<3>(archive, result, count)?,
+                _ => apparent_break::<2>(archive, result, count)?,
             });
         }
         let holds = stretches_agree(&stretches);
@@ -268,12 +268,12 @@ fn calibration(ledger: &Ledger, results: &[CaseResult], words: &mut Vec<String>)
 }
 
 fn apparent_break<const D: usize>(
-    ledger: &Ledger,
+    archive: &Archive,
     result: &CaseResult,
     count: usize,
 ) -> Result<Option<f64>, CaseError> {
-    let frames: Frames<D> = ledger.store.case(&result.key).read_frames()?;
-    let ruler = Ruler::new(&ledger.study.measure, &result.case.scene, &result.record);
+    let frames: Frames<D> = archive.store.case(&result.key).read_frames()?;
+    let ruler = Ruler::new(&archive.study.measure, &result.case.scene, &result.record);
     let points = frames.frames.first().map_or(Vec::new(), Frame::points);
     let ids: Vec<usize> = (0..points.len()).collect();
     let stretch = (|| -> Result<Option<f64>, MetricError> {

@@ -45,9 +45,9 @@ pub enum CaseError {
     },
 }
 
-/// A study's cases with their keys and folders.
+/// A study and what it has on disk: the keys and folders of its cases.
 #[derive(Clone, Debug)]
-pub struct Ledger<'a> {
+pub struct Archive<'a> {
     /// The study.
     pub study: &'a Study,
     /// Where its results are.
@@ -57,7 +57,7 @@ pub struct Ledger<'a> {
     keys: Vec<String>,
 }
 
-impl<'a> Ledger<'a> {
+impl<'a> Archive<'a> {
     /// Looks up the keys of all cases.
     ///
     /// # Errors
@@ -69,7 +69,7 @@ impl<'a> Ledger<'a> {
             .iter()
             .map(|case| key_of(&case.scene, folder))
             .collect::<Result<Vec<_>, SpecError>>()?;
-        Ok(Ledger { study, store, folder, keys })
+        Ok(Archive { study, store, folder, keys })
     }
 
     /// The key of case number `index`.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use snowlab_solver::{Real, Simulation};
 
-use crate::results::{CaseError, Ledger};
+use crate::results::{CaseError, Archive};
 use crate::run::Observer;
 use crate::spec::scene::PlacementSpec;
 use crate::sweep::Case;
@@ -38,12 +38,12 @@ pub struct Clock {
 /// # Errors
 /// The cases that could not be run or stored, with their numbers.
 pub fn run_cases(
-    ledger: &Ledger,
+    archive: &Archive,
     numbers: &[usize],
     jobs: usize,
     progress: &impl Progress,
 ) -> Result<(), Vec<(usize, CaseError)>> {
-    let cases = &ledger.study.cases;
+    let cases = &archive.study.cases;
     let mut order: Vec<usize> = numbers.to_vec();
     order.sort_by(|&a, &b| predicted_work(&cases[b]).total_cmp(&predicted_work(&cases[a])).then(a.cmp(&b)));
     let total: f64 = order.iter().map(|&index| predicted_work(&cases[index])).sum();
@@ -52,9 +52,9 @@ pub fn run_cases(
         let started = Instant::now();
         let mut watcher =
             Watcher { tally: &tally, progress, work: predicted_work(&cases[index]), reported: 0.0 };
-        let result = ledger.run(index, &mut watcher).and_then(|()| {
+        let result = archive.run(index, &mut watcher).and_then(|()| {
             let clock = Clock::read(started.elapsed().as_secs_f64(), jobs);
-            Ok(ledger.case_folder(index).write_json("clock.json", &clock)?)
+            Ok(archive.case_folder(index).write_json("clock.json", &clock)?)
         });
         watcher.end();
         progress.finished(&cases[index], result.as_ref().map(|_| ()));

@@ -1,7 +1,7 @@
 //! The tables of a study.
 
 use crate::evaluate::Judged;
-use crate::results::{CaseResult, Ledger};
+use crate::results::{CaseResult, Archive};
 use crate::schedule::Clock;
 use crate::statistics::{Interval, summarise};
 use crate::store::StoreError;
@@ -340,10 +340,10 @@ pub fn claims(judged: &[Judged]) -> Table {
 ///
 /// # Errors
 /// A clock that cannot be read.
-pub fn timings(ledger: &Ledger, results: &[CaseResult]) -> Result<Table, StoreError> {
+pub fn timings(archive: &Archive, results: &[CaseResult]) -> Result<Table, StoreError> {
     let mut rows = Vec::new();
     for result in results {
-        let folder = ledger.store.case(&result.key);
+        let folder = archive.store.case(&result.key);
         let clock = folder.read_json::<Clock>("clock.json")?;
         let per_step =
             clock.as_ref().map(|c| c.wall_seconds * 1e9 / result.record.particle_steps.max(1) as f64);

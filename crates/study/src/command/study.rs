@@ -5,7 +5,7 @@ use std::path::Path;
 use snowlab_study::evaluate::assess_claims;
 use snowlab_study::present::{Findings, Provenance, present, revision};
 use snowlab_study::record::Outcome;
-use snowlab_study::results::{CaseResult, Ledger};
+use snowlab_study::results::{CaseResult, Archive};
 use snowlab_study::schedule::run_cases;
 use snowlab_study::spec::{self, StudySpec};
 use snowlab_study::sweep::Study;
@@ -34,12 +34,12 @@ fn folder(arguments: &StudyArguments) -> &Path {
 /// Lists what would run.
 pub fn plan(arguments: &StudyArguments) -> anyhow::Result<Exit> {
     let Opened { study, .. } = open(arguments)?;
-    let ledger = Ledger::open(&study, &arguments.out, folder(arguments))?;
-    let missing = ledger.missing();
+    let archive = Archive::open(&study, &arguments.out, folder(arguments))?;
+    let missing = archive.missing();
     for (index, case) in study.cases.iter().enumerate() {
         let state = if missing.binary_search(&index).is_ok() { "to run" } else { "finished" };
         let point: Vec<String> = case.axes.iter().map(|(name, value)| format!(" {name} = {value}")).collect();
-        println!("{state}  {}  {}{} block {}", ledger.key(index), case.arm, point.concat(), case.block);
+        println!("{state}  {}  {}{} block {}", archive.key(index), case.arm, point.concat(), case.block);
     }
     println!(
         "{} cases: {} finished, {} to run",
@@ -53,11 +53,11 @@ pub fn plan(arguments: &StudyArguments) -> anyhow::Result<Exit> {
 /// Runs what is missing and writes the tables.
 pub fn run(arguments: &StudyArguments, jobs: Option<usize>) -> anyhow::Result<Exit> {
     let Opened { study, .. } = open(arguments)?;
-    let ledger = Ledger::open(&study, &arguments.out, folder(arguments))?;
-    let missing = ledger.missing();
+    let archive = Archive::open(&study, &arguments.out, folder(arguments))?;
+    let missing = archive.missing();
     eprintln!("{}: {} cases, {} to run", study.spec.name, study.cases.len(), missing.len());
     let jobs = jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
-    let failures = match run_cases(&ledger, &missing, jobs, &Bar::new(missing.len())) {
+    let failures = match run_cases(&archive, &missing, jobs, &Bar::new(missing.len())) {
         Ok(()) => Vec::new(),
         Err(failures) => failures,
     };
@@ -65,36 +65,36 @@ pub fn run(arguments: &StudyArguments, jobs: Option<usize>) -> anyhow::Result<Ex
         let case = &study.cases[*index];
         eprintln!("failed: {} block {}: {error}", case.arm, case.block);
     }
-    let results = finished(&ledger)?;
-    write_tables(&ledger, &results, &[])?;
+    let results = finished(&archive)?;
+    write_tables(&archive, &results, &[])?;
     let stopped: Vec<_> = results.iter().filter_map(stopped).collect();
     stopped.iter().for_each(|line| eprintln!("{line}"));
-    println!("{}", ledger.store.root().join("cases.csv").display());
+    println!("{}", archive.store.root().join("cases.csv").display());
     Ok(if failures.is_empty() { Exit::Done } else { Exit::CasesFailed })
 }
 
 /// Writes tables, figures and report.
 pub fn report(arguments: &StudyArguments) -> anyhow::Result<Exit> {
     let Opened { study, text } = open(arguments)?;
-    let ledger = Ledger::open(&study, &arguments.out, folder(arguments))?;
-    let results = finished(&ledger)?;
+    let archive = Archive::open(&study, &arguments.out, folder(arguments))?;
+    let results = finished(&archive)?;
     let missing = study.cases.len() - results.len();
     anyhow::ensure!(
         !results.is_empty(),
         "{}: nothing has been run; run `snowlab run` first",
         study.spec.name
     );
-    let (judged, gates) = assess_claims(&ledger, &results)?;
-    write_tables(&ledger, &results, &[tables::claims(&judged)])?;
+    let (judged, gates) = assess_claims(&archive, &results)?;
+    write_tables(&archive, &results, &[tables::claims(&judged)])?;
     judged.iter().for_each(|judged| println!("{}", judged.assessment));
     gates.words.iter().for_each(|line| println!("{line}"));
     if missing > 0 {
         eprintln!("{missing} cases have not been run; run `snowlab run` to complete the study");
     }
     let provenance = Provenance { study_text: text, revision: revision(folder(arguments)) };
-    let findings = Findings { ledger: &ledger, results: &results, judged: &judged, gates: &gates };
+    let findings = Findings { archive: &archive, results: &results, judged: &judged, gates: &gates };
     for name in present(findings, &provenance)? {
-        println!("{}", ledger.store.root().join(name).display());
+        println!("{}", archive.store.root().join(name).display());
     }
     Ok(Exit::Done)
 }
@@ -102,8 +102,8 @@ pub fn report(arguments: &StudyArguments) -> anyhow::Result<Exit> {
 /// Holds results against expectations.
 pub fn check(arguments: &StudyArguments) -> anyhow::Result<Exit> {
     let Opened { study, .. } = open(arguments)?;
-    let ledger = Ledger::open(&study, &arguments.out, folder(arguments))?;
-    let results = (0..study.cases.len()).map(|index| ledger.result(index)).collect::<Result<Vec<_>, _>>()?;
+    let archive = Archive::open(&study, &arguments.out, folder(arguments))?;
+    let results = (0..study.cases.len()).map(|index| archive.result(index)).collect::<Result<Vec<_>, _>>()?;
     let findings = expectations::check(&study, &results)?;
     for finding in &findings {
         println!("{}  {}", if finding.holds { "holds " } else { "FAILED" }, finding.line);
@@ -114,9 +114,9 @@ pub fn check(arguments: &StudyArguments) -> anyhow::Result<Exit> {
 }
 
 /// Results of the cases that have been run.
-fn finished(ledger: &Ledger) -> anyhow::Result<Vec<CaseResult>> {
-    let run = (0..ledger.study.cases.len()).filter(|&index| ledger.case_folder(index).is_finished());
-    Ok(run.map(|index| ledger.result(index)).collect::<Result<_, _>>()?)
+fn finished(archive: &Archive) -> anyhow::Result<Vec<CaseResult>> {
+    let run = (0..archive.study.cases.len()).filter(|&index| archive.case_folder(index).is_finished());
+    Ok(run.map(|index| archive.result(index)).collect::<Result<_, _>>()?)
 }
 
 fn stopped(result: &CaseResult) -> Option<String> {
@@ -128,18 +128,18 @@ fn stopped(result: &CaseResult) -> Option<String> {
     }
 }
 
-fn write_tables(ledger: &Ledger, results: &[CaseResult], more: &[Table]) -> anyhow::Result<()> {
+fn write_tables(archive: &Archive, results: &[CaseResult], more: &[Table]) -> anyhow::Result<()> {
     let own = [
         tables::cases(results),
         tables::fragments(results),
         tables::frames(results),
         tables::summary(results),
     ];
-    let timings = tables::timings(ledger, results)?;
+    let timings = tables::timings(archive, results)?;
     let all: Vec<&Table> = own.iter().chain(more).chain([&timings]).collect();
     for table in &all {
-        table.write(ledger.store.root())?;
+        table.write(archive.store.root())?;
     }
-    dictionary(&all).write(ledger.store.root())?;
+    dictionary(&all).write(archive.store.root())?;
     Ok(())
 }

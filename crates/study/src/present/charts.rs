@@ -23,7 +23,7 @@ struct Arms<'a> {
 
 /// All charts that the study's results allow.
 pub fn all(findings: Findings) -> anyhow::Result<Vec<Titled>> {
-    if !findings.ledger.study.spec.sweep.is_empty() {
+    if !findings.archive.study.spec.sweep.is_empty() {
         return Ok(pilot_chart(findings)?.into_iter().collect());
     }
     let arms = Arms::of(findings);
@@ -41,7 +41,7 @@ pub fn all(findings: Findings) -> anyhow::Result<Vec<Titled>> {
 
 impl<'a> Arms<'a> {
     fn of(findings: Findings<'a>) -> Self {
-        let spec = &findings.ledger.study.spec;
+        let spec = &findings.archive.study.spec;
         let judged = spec.claim.iter().chain(&spec.control).flat_map(|claim| claim.arms());
         let judged: Vec<&str> = judged.collect();
         let mut arms = Arms { labels: Vec::new(), cases: Vec::new() };
@@ -51,7 +51,7 @@ impl<'a> Arms<'a> {
             let only_pictured = group.len() == 1 && !judged.contains(&id);
             let cases: Vec<&CaseResult> = group.iter().copied().filter(|result| usable(result)).collect();
             if !floor && !only_pictured && !cases.is_empty() {
-                arms.labels.push(findings.ledger.study.label(id));
+                arms.labels.push(findings.archive.study.label(id));
                 arms.cases.push(cases);
             }
         }
@@ -69,9 +69,9 @@ impl<'a> Arms<'a> {
 
 fn endpoints(arms: &Arms) -> anyhow::Result<Option<Titled>> {
     let shown = [
-        ("ln_neff", "A = ln N_eff"),
+        ("ln_neff", "A = ln N_{eff}"),
         ("damage", "damage D"),
-        ("fragments", "fragments N_f"),
+        ("fragments", "fragments N_{f}"),
         ("crack", "crack length [m]"),
     ];
     let values = |endpoint: &str| -> Vec<Vec<f64>> {
@@ -175,13 +175,13 @@ fn links(findings: Findings, arms: &Arms) -> anyhow::Result<Option<Titled>> {
             level: None,
             curves: &components,
         },
-        Quantity { label: "A = ln N_eff", scale: Scale::Linear, hold: &[0.0], level: None, curves: &ln_neff },
+        Quantity { label: "A = ln N_{eff}", scale: Scale::Linear, hold: &[0.0], level: None, curves: &ln_neff },
     ];
     let figure = Curves {
         title: "",
         x_label: "link / h",
         x_scale: Scale::Linear,
-        mark: Some((findings.ledger.study.measure.link_ratio, "link used")),
+        mark: Some((findings.archive.study.measure.link_ratio, "link used")),
         spread: Spread::Band,
         note: "median over cases, band from the 10 % to the 90 % quantile",
         quantities: &quantities,
@@ -205,9 +205,9 @@ fn histories(arms: &Arms) -> anyhow::Result<Option<Titled>> {
     let largest = bands(arms, time, |m| after(m, |row| 1.0 - row.fragments.damage));
     let (count, largest) = (named(arms, &count), named(arms, &largest));
     let quantities = [
-        Quantity { label: "fragments N_f", scale: Scale::Linear, hold: &[0.0], level: None, curves: &count },
+        Quantity { label: "fragments N_{f}", scale: Scale::Linear, hold: &[0.0], level: None, curves: &count },
         Quantity {
-            label: "largest share M1/M",
+            label: "largest share M_{1}/M",
             scale: Scale::Linear,
             hold: &[1.0],
             level: None,
@@ -236,7 +236,7 @@ fn histories(arms: &Arms) -> anyhow::Result<Option<Titled>> {
 }
 
 fn energies(findings: Findings) -> anyhow::Result<Option<Titled>> {
-    let spec = &findings.ledger.study.spec;
+    let spec = &findings.archive.study.spec;
     let pictured: Vec<&str> =
         spec.arm.iter().filter(|arm| arm.picture.is_some()).map(|arm| arm.id.as_str()).take(4).collect();
     let cases: Vec<&CaseResult> = pictured
@@ -258,7 +258,7 @@ fn energies(findings: Findings) -> anyhow::Result<Option<Titled>> {
                 part(|row| row.contact_loss),
                 part(|row| row.transfer_loss),
             ];
-            (findings.ledger.study.label(&result.case.arm), time, parts)
+            (findings.archive.study.label(&result.case.arm), time, parts)
         })
         .collect();
     let parts: Vec<Vec<&[f64]>> =
@@ -284,7 +284,7 @@ fn energies(findings: Findings) -> anyhow::Result<Option<Titled>> {
 
 /// Means of A over the particle numbers of the first trend that is claimed.
 fn trend(findings: Findings) -> anyhow::Result<Option<Titled>> {
-    let trends = findings.ledger.study.spec.claim.iter().filter_map(|claim| match &claim.contrast {
+    let trends = findings.archive.study.spec.claim.iter().filter_map(|claim| match &claim.contrast {
         Contrast::Trend { arms } => Some(arms),
         _ => None,
     });
@@ -300,7 +300,7 @@ fn trend(findings: Findings) -> anyhow::Result<Option<Titled>> {
         (column(|p| p.0), column(|p| p.1.mean), column(|p| p.1.low), column(|p| p.1.high));
     let curve = [Curve { arm: "random", x: &x, middle: &middle, low: &low, high: &high }];
     let quantities =
-        [Quantity { label: "A = ln N_eff", scale: Scale::Linear, hold: &[0.0], level: None, curves: &curve }];
+        [Quantity { label: "A = ln N_{eff}", scale: Scale::Linear, hold: &[0.0], level: None, curves: &curve }];
     let figure = Curves {
         title: "",
         x_label: "particles N",
@@ -355,7 +355,7 @@ fn claims(findings: Findings) -> anyhow::Result<Option<Titled>> {
         .collect();
     let figure = Forest {
         title: "",
-        label: "effect on A = ln N_eff, positive where PS17 is right",
+        label: "effect on A = ln N_{eff}, positive where PS17 is right",
         delta: smallest_effect(),
         rows: &rows,
         note: "mean over blocks with the simultaneous interval of its family; dashed: the smallest effect of interest, 1.25x",
@@ -371,7 +371,7 @@ fn claims(findings: Findings) -> anyhow::Result<Option<Titled>> {
 
 /// A contrast in a few words.
 pub fn contrast(findings: Findings, contrast: &Contrast) -> String {
-    let label = |arm: &str| findings.ledger.study.label(arm);
+    let label = |arm: &str| findings.archive.study.label(arm);
     match contrast {
         Contrast::Paired { treated, control } => format!("{} - {}", label(treated), label(control)),
         Contrast::Trend { arms } => format!("- slope on log2 N, {} arms, x log2 6", arms.len()),
@@ -420,7 +420,7 @@ fn pilot_chart(findings: Findings) -> anyhow::Result<Option<Titled>> {
 type SpeedTrials = (Vec<f64>, Vec<(String, Vec<Vec<f64>>)>, Option<f64>);
 
 fn speed_trials(findings: Findings) -> SpeedTrials {
-    let study = findings.ledger.study;
+    let study = findings.archive.study;
     let speed_of =
         |r: &CaseResult| r.case.axes.iter().find(|(name, _)| name == "speed").map(|(_, value)| *value);
     let mut speeds: Vec<f64> = findings.results.iter().filter_map(speed_of).collect();

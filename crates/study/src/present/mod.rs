@@ -9,7 +9,7 @@ use std::path::Path;
 use crate::evaluate::{Gates, Judged};
 use crate::figure::{Drawing, FigureError};
 use crate::report::ReportFigure;
-use crate::results::{CaseResult, Ledger};
+use crate::results::{CaseResult, Archive};
 use crate::store::write_whole;
 
 pub use page::Provenance;
@@ -18,7 +18,7 @@ pub use page::Provenance;
 #[derive(Clone, Copy)]
 pub struct Findings<'a> {
     /// The study and where its results are.
-    pub ledger: &'a Ledger<'a>,
+    pub archive: &'a Archive<'a>,
     /// Its results.
     pub results: &'a [CaseResult],
     /// Its claims, judged.
@@ -45,7 +45,7 @@ struct Titled {
 pub fn present(findings: Findings, provenance: &Provenance) -> anyhow::Result<Vec<String>> {
     let mut figures = pictures::snowballs(findings)?;
     figures.extend(charts::all(findings)?);
-    let root = findings.ledger.store.root();
+    let root = findings.archive.store.root();
     let mut written = Vec::new();
     let mut shown = Vec::new();
     for figure in figures {

@@ -39,13 +39,13 @@ pub fn page(
     provenance: &Provenance,
     figures: Vec<ReportFigure>,
 ) -> Result<String, ReportError> {
-    let spec = &findings.ledger.study.spec;
+    let spec = &findings.archive.study.spec;
     let mut caveats = findings.gates.words.clone();
     caveats.insert(0, "PS17 gives no grid spacing, time step, speed or friction: a claim that is refuted here is not reproduced under these conditions.".into());
     caveats.extend(pilot_words(findings));
     let data = ReportData {
         title: spec.name.clone(),
-        subtitle: format!("profile {}, {} cases", findings.ledger.study.profile, findings.results.len()),
+        subtitle: format!("profile {}, {} cases", findings.archive.study.profile, findings.results.len()),
         question: spec.question.split("\n\n").map(str::to_string).collect(),
         caveats,
         arms: arms(findings),
@@ -60,7 +60,7 @@ pub fn page(
 
 /// What the pilot's rule says, where the study is a pilot.
 fn pilot_words(findings: Findings) -> Option<String> {
-    let (found, obstacle) = operating_point(findings.results, &findings.ledger.study.arms())?;
+    let (found, obstacle) = operating_point(findings.results, &findings.archive.study.arms())?;
     Some(match found {
         OperatingSpeed::Found { speed, median_damage } => {
             format!("Operating point: {speed} m/s on the {obstacle}, pooled median of D {median_damage:.3}.")
@@ -100,9 +100,9 @@ fn arms(findings: Findings) -> Vec<ReportArm> {
 fn name(findings: Findings, result: &crate::results::CaseResult) -> String {
     let point: Vec<String> =
         result.case.axes.iter().map(|(axis, value)| format!(", {axis} {value}")).collect();
-    let label = findings.ledger.study.label(&result.case.arm);
+    let label = findings.archive.study.label(&result.case.arm);
     let same_label =
-        findings.ledger.study.spec.arm.iter().filter(|arm| arm.label.as_ref() == Some(&label)).count();
+        findings.archive.study.spec.arm.iter().filter(|arm| arm.label.as_ref() == Some(&label)).count();
     let label = if same_label > 1 { result.case.arm.clone() } else { label };
     format!("{label}{}", point.concat())
 }

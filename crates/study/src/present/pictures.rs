@@ -31,7 +31,7 @@ struct Ball {
 
 /// For each named picture the first block of its arms: fragments, and ln J_P.
 pub fn snowballs(findings: Findings) -> anyhow::Result<Vec<Titled>> {
-    let spec = &findings.ledger.study.spec;
+    let spec = &findings.archive.study.spec;
     let mut pictures: BTreeMap<&str, Vec<Ball>> = BTreeMap::new();
     for arm in &spec.arm {
         let first = findings.results.iter().find(|r| r.case.arm == arm.id && r.case.scene.dimension == 2);
@@ -88,13 +88,13 @@ pub fn snowballs(findings: Findings) -> anyhow::Result<Vec<Titled>> {
 }
 
 fn ball(findings: Findings, result: &CaseResult) -> anyhow::Result<Ball> {
-    let frames: Frames<2> = findings.ledger.store.case(&result.key).read_frames()?;
-    let ruler = Ruler::new(&findings.ledger.study.measure, &result.case.scene, &result.record);
+    let frames: Frames<2> = findings.archive.store.case(&result.key).read_frames()?;
+    let ruler = Ruler::new(&findings.archive.study.measure, &result.case.scene, &result.record);
     let empty = Frame { time: 0.0, positions: Vec::new(), plastic_ratios: Vec::new() };
     let (before, after) = (frames.frames.first().unwrap_or(&empty), frames.frames.last().unwrap_or(&empty));
     let made = &result.record.made;
     Ok(Ball {
-        label: findings.ledger.study.label(&result.case.arm),
+        label: findings.archive.study.label(&result.case.arm),
         spacing: (made.filled_volume / made.particles.max(1) as f64).sqrt(),
         before: Drawn::of(&frames, before, &ruler)?,
         after: Drawn::of(&frames, after, &ruler)?,
