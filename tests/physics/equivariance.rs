@@ -28,7 +28,8 @@ impl<const D: usize> Isometry<D> {
                 Shape::Box { centre, half_extent, orientation } => Shape::Box {
                     centre: self.turn * centre + self.shift,
                     half_extent,
-                    orientation: self.turn * orientation,
+                    // A cube: its image has the same half extents and a proper rotation.
+                    orientation: self.turn * orientation * self.turn.transpose(),
                 },
             };
         }
