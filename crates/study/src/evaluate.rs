@@ -11,7 +11,7 @@ use crate::metrics::{
     MetricError, Thinning, breaking_stretch, friends_of_friends, mean_over_subsets, stretches_agree, thinning,
 };
 use crate::record::Outcome;
-use crate::results::{CaseError, CaseResult, Archive};
+use crate::results::{Archive, CaseError, CaseResult};
 use crate::spec::scene::PlacementSpec;
 use crate::tables::usable;
 
@@ -238,7 +238,11 @@ fn noise_floor(arms: &[String], results: &[CaseResult], words: &mut Vec<String>)
 
 /// Under uniform stretch, arms at equal counts must seem to fall apart at the same stretch within 15 %: asked of the first
 /// block of every claim's arms.
-fn calibration(archive: &Archive, results: &[CaseResult], words: &mut Vec<String>) -> Result<bool, CaseError> {
+fn calibration(
+    archive: &Archive,
+    results: &[CaseResult],
+    words: &mut Vec<String>,
+) -> Result<bool, CaseError> {
     let mut agrees = true;
     for claim in &archive.study.spec.claim {
         let Some((_, block)) = by_block(results, &claim.arms()).into_iter().next() else { continue };

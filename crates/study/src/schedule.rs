@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use snowlab_solver::{Real, Simulation};
 
-use crate::results::{CaseError, Archive};
+use crate::results::{Archive, CaseError};
 use crate::run::Observer;
 use crate::spec::scene::PlacementSpec;
 use crate::sweep::Case;

@@ -1,7 +1,7 @@
 //! The tables of a study.
 
 use crate::evaluate::Judged;
-use crate::results::{CaseResult, Archive};
+use crate::results::{Archive, CaseResult};
 use crate::schedule::Clock;
 use crate::statistics::{Interval, summarise};
 use crate::store::StoreError;

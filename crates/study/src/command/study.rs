@@ -5,7 +5,7 @@ use std::path::Path;
 use snowlab_study::evaluate::assess_claims;
 use snowlab_study::present::{Findings, Provenance, present, revision};
 use snowlab_study::record::Outcome;
-use snowlab_study::results::{CaseResult, Archive};
+use snowlab_study::results::{Archive, CaseResult};
 use snowlab_study::schedule::run_cases;
 use snowlab_study::spec::{self, StudySpec};
 use snowlab_study::sweep::Study;

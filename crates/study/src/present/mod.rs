@@ -9,7 +9,7 @@ use std::path::Path;
 use crate::evaluate::{Gates, Judged};
 use crate::figure::{Drawing, FigureError};
 use crate::report::ReportFigure;
-use crate::results::{CaseResult, Archive};
+use crate::results::{Archive, CaseResult};
 use crate::store::write_whole;
 
 pub use page::Provenance;
