@@ -1,0 +1,90 @@
+//! Numerics and materials.
+
+use snowlab_solver::{
+    Advection, Elastic, FlipShare, KernelKind, Lame, Material, Real, Scene, Snow, StepLength,
+    TimeStepControl, Transfer, Vector,
+};
+
+use crate::spec::SpecError;
+use crate::spec::scene::{AdvectionName, KernelName, MaterialSpec, NumericsSpec, SceneSpec, TransferName};
+
+use super::obstacle::collider;
+use super::vector::vector_or_zero;
+
+pub(super) fn scene<T: Real, const D: usize>(
+    spec: &SceneSpec,
+    origin: &Vector<f64, D>,
+) -> Result<Scene<T, D>, SpecError> {
+    let n = &spec.numerics;
+    let colliders = spec.collider.iter().enumerate();
+    Ok(Scene {
+        spacing: T::of(n.spacing),
+        kernel: match n.kernel {
+            KernelName::Cubic => KernelKind::Cubic,
+            KernelName::Quadratic => KernelKind::Quadratic,
+        },
+        transfer: transfer(n),
+        advection: match n.advection {
+            AdvectionName::Interpolated => Advection::Interpolated,
+            AdvectionName::Blended => Advection::Blended,
+        },
+        materials: spec.body.iter().map(|body| material(&body.material)).collect(),
+        colliders: colliders.map(|(k, c)| collider(c, k, origin, n.spacing)).collect::<Result<_, _>>()?,
+        gravity: vector_or_zero::<D>(&spec.gravity, "gravity")?.map(T::of),
+        time_step: time_step(n),
+    })
+}
+
+pub(super) fn transfer(n: &NumericsSpec) -> Transfer {
+    match n.transfer {
+        TransferName::Apic => Transfer::Apic,
+        TransferName::Mls => Transfer::Mls,
+        TransferName::Flip if n.flip_per_step => Transfer::Flip(FlipShare::PerStep(n.flip_share)),
+        TransferName::Flip => {
+            Transfer::Flip(FlipShare::Rate { share: n.flip_share, reference_step: n.flip_reference_step })
+        }
+    }
+}
+
+pub(super) fn time_step(n: &NumericsSpec) -> TimeStepControl {
+    let guards = TimeStepControl::default();
+    TimeStepControl {
+        length: match n.fixed_step {
+            Some(dt) => StepLength::Fixed(dt),
+            None => StepLength::Adaptive {
+                wave: n.wave_courant,
+                advection: n.advective_courant,
+                greatest: n.greatest_step,
+            },
+        },
+        watchdog_interval: if n.watchdog { guards.watchdog_interval } else { 0 },
+        max_steps: n.max_steps,
+        ..guards
+    }
+}
+
+pub(super) fn material<T: Real>(spec: &MaterialSpec) -> Material<T> {
+    match *spec {
+        MaterialSpec::Elastic { young, poisson, .. } => {
+            Material::Elastic(Elastic { lame: Lame::from_young(young, poisson) })
+        }
+        MaterialSpec::Snow {
+            young,
+            poisson,
+            critical_compression,
+            critical_stretch,
+            hardening,
+            plastic_ratio_bounds,
+            ..
+        } => {
+            let [lower, upper] = plastic_ratio_bounds.unwrap_or([0.0, f64::INFINITY]);
+            Material::Snow(Snow {
+                lame: Lame::from_young(young, poisson),
+                critical_compression: T::of(critical_compression),
+                critical_stretch: T::of(critical_stretch),
+                hardening: T::of(hardening),
+                plastic_ratio_bounds: (T::of(lower), T::of(upper)),
+            })
+        }
+    }
+}
