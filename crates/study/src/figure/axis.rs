@@ -1,6 +1,9 @@
-//! Axes: from a value to a share of a length, and where the ticks stand.
+//! Axes: a coordinate of plotters that is linear or logarithmic by value, not by type, and where its ticks stand.
 
 use super::style;
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
+use plotters::coord::types::RangedCoordf64;
+use std::ops::Range;
 
 /// How values are laid along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +76,25 @@ impl Axis {
             Scale::Linear => linear_ticks(self.low, self.high, most),
             Scale::Logarithmic => logarithmic_ticks(self.low, self.high, most),
         }
+    }
+}
+
+/// A value without a place is mapped to the start; callers ask [`Axis::share`] first. The logarithm is libm's, as that
+/// of plotters' own logarithmic coordinate may differ in the last bit from machine to machine.
+impl Ranged for Axis {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        RangedCoordf64::from(0.0..1.0).map(&self.share(*value).unwrap_or(0.0), limit)
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        self.ticks(hint.max_num_points()).into_iter().map(|tick| tick.value).collect()
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.low..self.high
     }
 }
 

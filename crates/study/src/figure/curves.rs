@@ -4,9 +4,12 @@
 use super::axis::{Axis, Scale, Tick};
 use super::drawing::{Anchor, Drawing, Rect};
 use super::error::{FigureError, same_length};
-use super::panel::{Panel, draw_note, draw_patched, draw_title};
+use super::panel::{Panel, draw_note, draw_patched, draw_title, title_height};
+use super::sheet::{Sheet, filled, fine, stroked};
 use super::style::{self, CHART_WIDTH, Ink, LABEL, MARGIN, MARKER, TICK};
 use super::text::{self, Face};
+use plotters::chart::LabelAreaPosition;
+use plotters::element::{Circle, ErrorBar};
 
 /// A median curve with its band, one per arm.
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +73,8 @@ pub struct Curves<'a> {
 const SHARED: usize = 5;
 /// Distance of names below each other [pixels].
 const NAME_STEP: f64 = 1.3 * LABEL;
+/// Distance of the bars of neighbouring arms at one setting [pixels].
+const DODGE: f64 = 14.0;
 const LEFT: f64 = 130.0;
 const BELOW: f64 = 92.0;
 
@@ -91,23 +96,23 @@ pub fn curves(figure: &Curves<'_>) -> Result<Drawing, FigureError> {
     let pad = if figure.spread == Spread::Bars { 0.06 } else { 0.0 };
     let x = Axis::around(figure.x_scale, all.copied().chain(marked), pad);
     let heights: Vec<f64> = figure.quantities.iter().map(|quantity| height(figure, quantity)).collect();
-    let title = if figure.title.is_empty() { 0.0 } else { style::TITLE * text::LEADING + 12.0 };
     let note = if figure.note.is_empty() { 0.0 } else { TICK + 14.0 };
-    let total = MARGIN + title + heights.iter().sum::<f64>() + note + 12.0;
-    let mut drawing = Drawing::new(f64::from(CHART_WIDTH), total);
-    draw_title(&mut drawing, figure.title);
-    let mut top = MARGIN + title;
-    for (quantity, height) in figure.quantities.iter().zip(heights) {
-        let y = vertical(quantity);
-        if quantity.curves.len() <= SHARED {
-            shared(&mut drawing, figure, quantity, [x, y], top, top + height);
-        } else {
-            separate(&mut drawing, figure, quantity, [x, y], top);
+    let first = MARGIN + title_height(figure.title);
+    let total = first + heights.iter().sum::<f64>() + note + 12.0;
+    Sheet::drawn(f64::from(CHART_WIDTH), total, |sheet| {
+        draw_title(sheet, figure.title)?;
+        let mut top = first;
+        for (quantity, height) in figure.quantities.iter().zip(heights) {
+            let axes = [x, vertical(quantity)];
+            if quantity.curves.len() <= SHARED {
+                shared(sheet, figure, quantity, axes, [top, top + height])?;
+            } else {
+                separate(sheet, figure, quantity, axes, top)?;
+            }
+            top += height;
         }
-        top += height;
-    }
-    draw_note(&mut drawing, figure.note);
-    Ok(drawing)
+        draw_note(sheet, figure.note)
+    })
 }
 
 fn vertical(quantity: &Quantity<'_>) -> Axis {
@@ -142,49 +147,45 @@ fn height(figure: &Curves<'_>, quantity: &Quantity<'_>) -> f64 {
 
 /// All arms in one panel, named at the right.
 fn shared(
-    drawing: &mut Drawing,
+    sheet: &Sheet<'_>,
     figure: &Curves<'_>,
     quantity: &Quantity<'_>,
-    axes: [Axis; 2],
-    top: f64,
-    end: f64,
-) {
-    let names = quantity.curves.iter().map(|curve| text::width(curve.arm, Face::Bold, LABEL));
+    [x, y]: [Axis; 2],
+    [top, end]: [f64; 2],
+) -> Result<(), FigureError> {
+    let curves = quantity.curves;
+    let names = curves.iter().map(|curve| text::width(curve.arm, Face::Bold, LABEL));
     let mut area = Rect { left: LEFT, top: top + 34.0, right: 0.0, bottom: end - BELOW };
-    let above = ends_meet(&axes, quantity.curves, area.height());
+    let above = ends_meet(&[x, y], curves, area.height());
     let right = if above { 12.0 } else { names.fold(120.0, f64::max) + 26.0 };
-    area.right = f64::from(CHART_WIDTH) - MARGIN - right;
-    let panel = Panel { area, x: axes[0], y: axes[1] };
-    panel.draw_y(drawing, quantity.label);
-    if figure.spread == Spread::Bars {
-        panel.draw_x_at(drawing, figure.x_label, &settings(quantity.curves));
-    } else {
-        panel.draw_x(drawing, figure.x_label);
+    area.right = sheet.width - MARGIN - right;
+    let mut panel = match figure.spread {
+        Spread::Band => Panel::new(sheet, area, x, y)?,
+        Spread::Bars => Panel::with_ticks(sheet, area, [x, y], settings(curves), LabelAreaPosition::Bottom)?,
+    };
+    panel.draw_y(quantity.label)?;
+    panel.draw_x(figure.x_label)?;
+    if curves.iter().all(|curve| !has_point(&panel, curve)) {
+        return panel.draw_empty("no data");
     }
-    if quantity.curves.iter().all(|curve| !has_point(&panel, curve)) {
-        panel.draw_empty(drawing, "no data");
-        return;
+    marks(sheet, &panel, figure, quantity, true)?;
+    if figure.spread == Spread::Band {
+        for (index, curve) in curves.iter().enumerate() {
+            band(&panel, curve, style::category(index))?;
+        }
     }
-    marks(drawing, &panel, figure, quantity, true);
-    for (index, curve) in quantity.curves.iter().enumerate() {
-        spread(
-            drawing,
-            &panel,
-            figure.spread,
-            curve,
-            style::category(index),
-            dodge(index, quantity.curves.len()),
-        );
+    for (index, curve) in curves.iter().enumerate() {
+        // The arms' bars at one setting stand beside each other, each on an area of its own that is shifted.
+        let shift = DODGE * (index as f64 - 0.5 * (curves.len() as f64 - 1.0));
+        match figure.spread {
+            Spread::Band => middle(&mut panel, curve, style::category(index))?,
+            Spread::Bars => {
+                let area = Rect { left: area.left + shift, right: area.right + shift, ..area };
+                bars(&mut Panel::new(sheet, area, x, y)?, curve, style::category(index))?;
+            }
+        }
     }
-    for (index, curve) in quantity.curves.iter().enumerate() {
-        let shift = dodge(index, quantity.curves.len());
-        middle(drawing, &panel, figure.spread, curve, style::category(index), shift);
-    }
-    if above {
-        name_above(drawing, &panel, quantity.curves);
-    } else {
-        name_ends(drawing, &panel, quantity.curves);
-    }
+    if above { name_above(sheet, &panel, curves) } else { name_ends(sheet, &panel, curves) }
 }
 
 /// Whether the curves end so close to each other (within half the height their names take) that names at the ends
@@ -206,109 +207,125 @@ fn settings(curves: &[Curve<'_>]) -> Vec<Tick> {
 }
 
 /// One small panel per arm.
-fn separate(drawing: &mut Drawing, figure: &Curves<'_>, quantity: &Quantity<'_>, axes: [Axis; 2], top: f64) {
+fn separate(
+    sheet: &Sheet<'_>,
+    figure: &Curves<'_>,
+    quantity: &Quantity<'_>,
+    [x, y]: [Axis; 2],
+    top: f64,
+) -> Result<(), FigureError> {
     let (columns, rows) = grid(quantity.curves.len());
-    let wide = f64::from(CHART_WIDTH) - LEFT - MARGIN;
+    let wide = sheet.width - LEFT - MARGIN;
     let width = (wide - (columns - 1) as f64 * SMALL_GAP[0]) / columns as f64;
     for (index, curve) in quantity.curves.iter().enumerate() {
         let (column, row) = (index % columns, index / columns);
         let left = LEFT + column as f64 * (width + SMALL_GAP[0]);
         let above = top + 46.0 + row as f64 * (SMALL_HEIGHT + SMALL_GAP[1]);
         let area = Rect { left, top: above, right: left + width, bottom: above + SMALL_HEIGHT };
-        let panel = Panel { area, x: axes[0], y: axes[1] };
+        let mut panel = Panel::new(sheet, area, x, y)?;
         let last = index + columns >= quantity.curves.len();
-        if column == 0 {
-            panel.draw_y(drawing, if row == rows / 2 { quantity.label } else { "" });
-        } else {
-            panel.draw_grid(drawing);
+        match column {
+            0 => panel.draw_y(if row == rows / 2 { quantity.label } else { "" })?,
+            _ => panel.draw_grid()?,
         }
         if last {
-            panel.draw_x(drawing, figure.x_label)
+            panel.draw_x(figure.x_label)?
         } else {
-            panel.draw_x_line(drawing)
+            panel.draw_x_line()?
         }
-        panel.draw_heading(drawing, curve.arm, style::readable(style::category(index)));
+        let ink = style::category(index);
+        panel.draw_heading(curve.arm, 12.0, style::readable(ink))?;
         for other in quantity.curves {
-            panel.draw_curve(drawing, points(other), 1.5, Ink::hex(0xc6ccd2));
+            panel.draw_curve(points(other), 1.5, Ink::hex(0xc6ccd2))?;
         }
-        marks(drawing, &panel, figure, quantity, index == 0);
-        if has_point(&panel, curve) {
-            spread(drawing, &panel, figure.spread, curve, style::category(index), 0.0);
-            middle(drawing, &panel, figure.spread, curve, style::category(index), 0.0);
-        } else {
-            panel.draw_empty(drawing, "no data");
+        marks(sheet, &panel, figure, quantity, index == 0)?;
+        match figure.spread {
+            _ if !has_point(&panel, curve) => panel.draw_empty("no data")?,
+            Spread::Bars => bars(&mut panel, curve, ink)?,
+            Spread::Band => {
+                band(&panel, curve, ink)?;
+                middle(&mut panel, curve, ink)?;
+            }
         }
     }
+    Ok(())
 }
 
 fn points<'a>(curve: &Curve<'a>) -> impl Iterator<Item = [f64; 2]> + 'a {
     curve.x.iter().zip(curve.middle).map(|(x, y)| [*x, *y])
 }
 
-fn has_point(panel: &Panel, curve: &Curve<'_>) -> bool {
+fn has_point(panel: &Panel<'_>, curve: &Curve<'_>) -> bool {
     points(curve).any(|[x, y]| panel.point(x, y).is_some())
 }
 
-/// Shift of an arm's bars [pixels], so that the bars of several arms at one setting stand beside each other.
-fn dodge(index: usize, arms: usize) -> f64 {
-    14.0 * (index as f64 - 0.5 * (arms as f64 - 1.0))
+fn band(panel: &Panel<'_>, curve: &Curve<'_>, ink: Ink) -> Result<(), FigureError> {
+    panel.draw_band(curve.x, curve.low, curve.high, ink.with_alpha(0.18))
 }
 
-fn spread(drawing: &mut Drawing, panel: &Panel, spread: Spread, curve: &Curve<'_>, ink: Ink, shift: f64) {
-    if spread == Spread::Band {
-        panel.draw_band(drawing, curve.x, curve.low, curve.high, ink.with_alpha(0.18));
-        return;
+/// The curve itself; a lone point becomes a disc.
+fn middle(panel: &mut Panel<'_>, curve: &Curve<'_>, ink: Ink) -> Result<(), FigureError> {
+    panel.draw_curve(points(curve), 3.5, ink)?;
+    let mut places = points(curve).filter(|[x, y]| panel.point(*x, *y).is_some());
+    if let (Some([x, y]), None) = (places.next(), places.next()) {
+        panel.plot().draw(&Circle::new((x, y), fine(6.0), filled(ink)))?;
     }
+    Ok(())
+}
+
+/// A bar with a point at every setting, joined by a thin line.
+fn bars(panel: &mut Panel<'_>, curve: &Curve<'_>, ink: Ink) -> Result<(), FigureError> {
+    let placed = |panel: &Panel<'_>, k: usize, y: f64| panel.point(curve.x[k], y).is_some();
     for k in 0..curve.x.len() {
-        let ends = [curve.low[k], curve.high[k]].map(|y| panel.point_inside(curve.x[k], y));
-        if let [Some(low), Some(high)] = ends {
-            drawing.line(vec![[low[0] + shift, low[1]], [high[0] + shift, high[1]]], 3.0, ink);
+        let [low, middle, high] = [curve.low[k], curve.middle[k], curve.high[k]];
+        if [low, middle, high].iter().all(|y| placed(panel, k, *y)) {
+            let style = stroked(3.0, ink);
+            let bar = ErrorBar::new_vertical(curve.x[k], low, middle, high, style, fine(10.0) as u32);
+            panel.plot().draw(&bar)?;
         }
     }
-}
-
-fn middle(drawing: &mut Drawing, panel: &Panel, spread: Spread, curve: &Curve<'_>, ink: Ink, shift: f64) {
-    let places: Vec<[f64; 2]> = points(curve).filter_map(|[x, y]| panel.point_inside(x, y)).collect();
-    if spread == Spread::Bars {
-        let shifted: Vec<[f64; 2]> = places.iter().map(|p| [p[0] + shift, p[1]]).collect();
-        drawing.line(shifted.clone(), 1.5, ink.with_alpha(0.6));
-        for place in shifted {
-            drawing.disc(place, 8.0, ink, Some((2.0, style::PAPER)));
+    panel.draw_curve(points(curve), 1.5, ink.with_alpha(0.6))?;
+    for [x, y] in points(curve).filter(|[x, y]| panel.point(*x, *y).is_some()) {
+        for (radius, ink) in [(8.0, style::PAPER), (6.0, ink)] {
+            panel.plot().draw(&Circle::new((x, y), fine(radius), filled(ink)))?;
         }
-        return;
     }
-    panel.draw_curve(drawing, points(curve), 3.5, ink);
-    if places.len() == 1 {
-        drawing.disc(places[0], 6.0, ink, None);
-    }
+    Ok(())
 }
 
 /// The dashed lines of the marked abscissa and level.
-fn marks(drawing: &mut Drawing, panel: &Panel, figure: &Curves<'_>, quantity: &Quantity<'_>, named: bool) {
-    let area = panel.area;
+fn marks(
+    sheet: &Sheet<'_>,
+    panel: &Panel<'_>,
+    figure: &Curves<'_>,
+    quantity: &Quantity<'_>,
+    named: bool,
+) -> Result<(), FigureError> {
+    let (area, style) = (panel.area, stroked(2.0, MARKER));
     if let Some((value, name)) = figure.mark
         && let Some(column) = panel.column(value)
     {
-        drawing.dashed([column, area.bottom], [column, area.top], 2.0, MARKER, 7.0);
+        panel.draw_dashed([(value, panel.y.low), (value, panel.y.high)], 7.0, style)?;
         if named {
             let wide = text::width(name, Face::Regular, TICK);
             let fits = column + 8.0 + wide <= area.right;
             let (x, anchor) = if fits { (column + 8.0, Anchor::Start) } else { (column - 8.0, Anchor::End) };
-            draw_patched(drawing, name, [x, area.top + TICK], anchor);
+            draw_patched(sheet, name, [x, area.top + TICK], anchor)?;
         }
     }
     if let Some((value, name)) = quantity.level
         && let Some(row) = panel.row(value)
     {
-        drawing.dashed([area.left, row], [area.right, row], 2.0, MARKER, 7.0);
+        panel.draw_dashed([(panel.x.low, value), (panel.x.high, value)], 7.0, style)?;
         if named {
-            draw_patched(drawing, name, [area.right - 6.0, row - 8.0], Anchor::End);
+            draw_patched(sheet, name, [area.right - 6.0, row - 8.0], Anchor::End)?;
         }
     }
+    Ok(())
 }
 
 /// Names in one line above the panel, each with a stroke of its colour.
-fn name_above(drawing: &mut Drawing, panel: &Panel, curves: &[Curve<'_>]) {
+fn name_above(sheet: &Sheet<'_>, panel: &Panel<'_>, curves: &[Curve<'_>]) -> Result<(), FigureError> {
     let width = |curve: &Curve<'_>| text::width(curve.arm, Face::Bold, LABEL) + 44.0;
     let total: f64 = curves.iter().map(|curve| width(curve) + 30.0).sum();
     let scale = (panel.area.width() / total).min(1.0);
@@ -316,17 +333,18 @@ fn name_above(drawing: &mut Drawing, panel: &Panel, curves: &[Curve<'_>]) {
     let mut x = panel.area.left;
     for (index, curve) in curves.iter().enumerate() {
         let ink = style::category(index);
-        drawing.line(vec![[x, y], [x + 34.0 * scale, y]], 4.0, ink);
+        sheet.line([[x, y], [x + 34.0 * scale, y]], 4.0, ink)?;
         let position = [x + 44.0 * scale, y + 0.5 * text::CAP_HEIGHT * size];
-        drawing.label(curve.arm, position, size, Face::Bold, style::readable(ink), Anchor::Start);
+        sheet.label(curve.arm, position, size, Face::Bold, style::readable(ink), Anchor::Start)?;
         x += (width(curve) + 30.0) * scale;
     }
+    Ok(())
 }
 
 /// Names at the right of the panel, each at the height where its curve ends, pushed apart where they would touch,
 /// and joined to its end by a thin line.
-fn name_ends(drawing: &mut Drawing, panel: &Panel, curves: &[Curve<'_>]) {
-    let last = |curve: &Curve<'_>| points(curve).filter_map(|[x, y]| panel.point_inside(x, y)).last();
+fn name_ends(sheet: &Sheet<'_>, panel: &Panel<'_>, curves: &[Curve<'_>]) -> Result<(), FigureError> {
+    let last = |curve: &Curve<'_>| points(curve).filter_map(|[x, y]| panel.point(x, y)).last();
     let mut ends: Vec<(usize, [f64; 2])> =
         curves.iter().enumerate().filter_map(|(k, curve)| Some((k, last(curve)?))).collect();
     ends.sort_by(|a, b| a.1[1].total_cmp(&b.1[1]).then(a.0.cmp(&b.0)));
@@ -334,17 +352,11 @@ fn name_ends(drawing: &mut Drawing, panel: &Panel, curves: &[Curve<'_>]) {
     for ((index, end), row) in ends.into_iter().zip(rows) {
         let start = panel.area.right + 26.0;
         let ink = style::category(index);
-        drawing.line(vec![[end[0] + 4.0, end[1]], [start - 6.0, row]], 1.5, ink.with_alpha(0.55));
-        let base = row + 0.5 * text::CAP_HEIGHT * LABEL;
-        drawing.label(
-            curves[index].arm,
-            [start, base],
-            LABEL,
-            Face::Bold,
-            style::readable(ink),
-            Anchor::Start,
-        );
+        sheet.line([[end[0] + 4.0, end[1]], [start - 6.0, row]], 1.5, ink.with_alpha(0.55))?;
+        let (base, ink) = (row + 0.5 * text::CAP_HEIGHT * LABEL, style::readable(ink));
+        sheet.label(curves[index].arm, [start, base], LABEL, Face::Bold, ink, Anchor::Start)?;
     }
+    Ok(())
 }
 
 /// Rows (ascending) moved as little as needed to stand at least `step` apart inside the area.

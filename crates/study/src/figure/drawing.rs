@@ -1,8 +1,9 @@
 //! A drawing: an ordered list of marks in pixels (x to the right, y down), painted by
-//! [`Drawing::png`]. Coordinates are real numbers, so that nothing snaps to whole pixels.
+//! [`Drawing::png`]. Coordinates are real numbers, so that nothing snaps to whole pixels. The figures fill it through
+//! plotters, for which it is a backend (see the neighbour `backend`).
 
 use super::style::Ink;
-use super::text::{self, Face};
+use super::text::Face;
 
 /// A rectangle [pixels].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,16 +84,14 @@ pub enum Mark {
         /// Colour.
         ink: Ink,
     },
-    /// A filled disc, with a rim of paper or ink where `rim` is given as (width, colour).
+    /// A filled disc.
     Disc {
         /// Centre.
         centre: [f64; 2],
-        /// Radius with the rim.
+        /// Radius.
         radius: f64,
         /// Colour.
         ink: Ink,
-        /// Width and colour of the rim, inside the radius.
-        rim: Option<(f64, Ink)>,
     },
     /// Many small discs of one radius, clipped to a rectangle.
     Splats {
@@ -124,60 +123,9 @@ impl Drawing {
         Self { width: width.ceil().max(1.0) as u32, height: height.ceil().max(1.0) as u32, marks: Vec::new() }
     }
 
-    /// A filled rectangle.
-    pub fn rectangle(&mut self, rect: Rect, ink: Ink) {
-        let Rect { left, top, right, bottom } = rect;
-        self.polygon(vec![[left, top], [right, top], [right, bottom], [left, bottom]], ink);
-    }
-
-    /// A filled polygon; fewer than three corners draw nothing.
-    pub fn polygon(&mut self, points: Vec<[f64; 2]>, ink: Ink) {
-        self.marks.push(Mark::Polygon { points, ink });
-    }
-
-    /// A stroked line; fewer than two points draw nothing.
-    pub fn line(&mut self, points: Vec<[f64; 2]>, width: f64, ink: Ink) {
-        self.marks.push(Mark::Line { points, width, ink });
-    }
-
-    /// A straight line in dashes of `dash` pixels with gaps of the same length.
-    pub fn dashed(&mut self, from: [f64; 2], to: [f64; 2], width: f64, ink: Ink, dash: f64) {
-        let length = libm::hypot(to[0] - from[0], to[1] - from[1]);
-        let point = |s: f64| [0, 1].map(|k| from[k] + (to[k] - from[k]) * (s / length).min(1.0));
-        let mut start = 0.0;
-        while start < length {
-            self.line(vec![point(start), point(start + dash)], width, ink);
-            start += 2.0 * dash;
-        }
-    }
-
-    /// A filled disc.
-    pub fn disc(&mut self, centre: [f64; 2], radius: f64, ink: Ink, rim: Option<(f64, Ink)>) {
-        self.marks.push(Mark::Disc { centre, radius, ink, rim });
-    }
-
     /// A line of regular text with its base line at `position`.
     pub fn text(&mut self, text: &str, position: [f64; 2], size: f64, ink: Ink, anchor: Anchor) {
-        self.label(text, position, size, Face::Regular, ink, anchor);
-    }
-
-    /// A line of text in a given face.
-    pub fn label(&mut self, text: &str, position: [f64; 2], size: f64, face: Face, ink: Ink, anchor: Anchor) {
-        let text = text.to_owned();
+        let (text, face) = (text.to_owned(), Face::Regular);
         self.marks.push(Mark::Text(Label { text, position, size, face, ink, anchor, upwards: false }));
-    }
-
-    /// A line of regular text read from below to above, its middle at `position`.
-    pub fn upwards(&mut self, text: &str, position: [f64; 2], size: f64, ink: Ink) {
-        let (text, face, anchor) = (text.to_owned(), Face::Regular, Anchor::Middle);
-        self.marks.push(Mark::Text(Label { text, position, size, face, ink, anchor, upwards: true }));
-    }
-
-    /// Lines of text one below the other; `position` is on the base line of the first.
-    pub fn lines(&mut self, lines: &[String], position: [f64; 2], size: f64, ink: Ink, anchor: Anchor) {
-        for (row, line) in lines.iter().enumerate() {
-            let y = position[1] + row as f64 * size * text::LEADING;
-            self.text(line, [position[0], y], size, ink, anchor);
-        }
     }
 }

@@ -3,7 +3,8 @@
 use super::axis::{Axis, Scale};
 use super::drawing::{Anchor, Drawing, Rect};
 use super::error::{FigureError, same_length};
-use super::panel::{Panel, draw_note, draw_title};
+use super::panel::{Panel, draw_note, draw_title, title_height};
+use super::sheet::Sheet;
 use super::style::{self, CHART_WIDTH, MARGIN, TEXT, TICK};
 use super::text::{self, Face};
 
@@ -68,38 +69,37 @@ pub fn energy(figure: &Energy<'_>) -> Result<Drawing, FigureError> {
 
     let columns = figure.cases.len().min(if figure.cases.len() <= 4 { 2 } else { 3 });
     let rows = figure.cases.len().div_ceil(columns);
-    let title = if figure.title.is_empty() { 0.0 } else { style::TITLE * text::LEADING + 12.0 };
     let legend = legend_rows(figure);
-    let top = MARGIN + title + legend.len() as f64 * 34.0 + 52.0;
+    let top = MARGIN + title_height(figure.title) + legend.len() as f64 * 34.0 + 52.0;
     let note = if figure.note.is_empty() { 0.0 } else { TICK + 20.0 };
     let total = top + rows as f64 * HEIGHT + (rows - 1) as f64 * GAP[1] + BELOW + note;
-    let mut drawing = Drawing::new(f64::from(CHART_WIDTH), total);
-    draw_title(&mut drawing, figure.title);
-    draw_legend(&mut drawing, &legend, MARGIN + title);
     let wide = f64::from(CHART_WIDTH) - LEFT - MARGIN;
     let width = (wide - (columns - 1) as f64 * GAP[0]) / columns as f64;
-    for (index, case) in figure.cases.iter().enumerate() {
-        let (column, row) = (index % columns, index / columns);
-        let left = LEFT + column as f64 * (width + GAP[0]);
-        let above = top + row as f64 * (HEIGHT + GAP[1]);
-        let panel =
-            Panel { area: Rect { left, top: above, right: left + width, bottom: above + HEIGHT }, x, y };
-        if column == 0 {
-            panel.draw_y(&mut drawing, figure.y_label)
-        } else {
-            panel.draw_grid(&mut drawing)
+    Sheet::drawn(f64::from(CHART_WIDTH), total, |sheet| {
+        draw_title(sheet, figure.title)?;
+        draw_legend(sheet, &legend, MARGIN + title_height(figure.title))?;
+        for (index, case) in figure.cases.iter().enumerate() {
+            let (column, row) = (index % columns, index / columns);
+            let left = LEFT + column as f64 * (width + GAP[0]);
+            let above = top + row as f64 * (HEIGHT + GAP[1]);
+            let area = Rect { left, top: above, right: left + width, bottom: above + HEIGHT };
+            let mut panel = Panel::new(sheet, area, x, y)?;
+            if column == 0 {
+                panel.draw_y(figure.y_label)?
+            } else {
+                panel.draw_grid()?
+            }
+            draw_case(&mut panel, case, &layers[index], stacked)?;
+            let last = index + columns >= figure.cases.len();
+            if last {
+                panel.draw_x(figure.x_label)?
+            } else {
+                panel.draw_x_line()?
+            }
+            panel.draw_heading(case.arm, 12.0, TEXT)?;
         }
-        draw_case(&mut drawing, &panel, case, &layers[index], stacked);
-        let last = index + columns >= figure.cases.len();
-        if last {
-            panel.draw_x(&mut drawing, figure.x_label)
-        } else {
-            panel.draw_x_line(&mut drawing)
-        }
-        panel.draw_heading(&mut drawing, case.arm, TEXT);
-    }
-    draw_note(&mut drawing, figure.note);
-    Ok(drawing)
+        draw_note(sheet, figure.note)
+    })
 }
 
 /// The upper edges of the stacked parts, or the parts themselves.
@@ -116,23 +116,28 @@ fn layers(case: &EnergyCase<'_>, stacked: bool) -> Vec<Vec<f64>> {
     edges
 }
 
-fn draw_case(drawing: &mut Drawing, panel: &Panel, case: &EnergyCase<'_>, edges: &[Vec<f64>], stacked: bool) {
+fn draw_case(
+    panel: &mut Panel<'_>,
+    case: &EnergyCase<'_>,
+    edges: &[Vec<f64>],
+    stacked: bool,
+) -> Result<(), FigureError> {
     if !edges.iter().flatten().any(|v| v.is_finite()) {
-        panel.draw_empty(drawing, "no data");
-        return;
+        return panel.draw_empty("no data");
     }
     let mut below = vec![0.0; case.time.len()];
     for (index, edge) in edges.iter().enumerate() {
         let ink = style::category(index);
         if stacked {
-            panel.draw_band(drawing, case.time, &below, edge, ink.with_alpha(0.85));
+            panel.draw_band(case.time, &below, edge, ink.with_alpha(0.85))?;
             below.clone_from(edge);
         }
     }
     for (index, edge) in edges.iter().enumerate() {
         let (width, ink) = if stacked { (1.5, style::PAPER) } else { (3.0, style::category(index)) };
-        panel.draw_curve(drawing, case.time.iter().zip(edge).map(|(x, y)| [*x, *y]), width, ink);
+        panel.draw_curve(case.time.iter().zip(edge).map(|(x, y)| [*x, *y]), width, ink)?;
     }
+    Ok(())
 }
 
 /// Names of the parts with their colours, broken into lines that fit.
@@ -152,13 +157,14 @@ fn legend_rows<'a>(figure: &Energy<'a>) -> Vec<Vec<(usize, &'a str, f64)>> {
     rows
 }
 
-fn draw_legend(drawing: &mut Drawing, rows: &[Vec<(usize, &str, f64)>], top: f64) {
+fn draw_legend(sheet: &Sheet<'_>, rows: &[Vec<(usize, &str, f64)>], top: f64) -> Result<(), FigureError> {
     for (row, entries) in rows.iter().enumerate() {
         let y = top + 4.0 + row as f64 * 34.0;
         for (index, name, x) in entries {
             let swatch = Rect { left: *x, top: y, right: x + 24.0, bottom: y + 20.0 };
-            drawing.rectangle(swatch, style::category(*index).with_alpha(0.85));
-            drawing.text(name, [x + 34.0, y + 17.0], TICK, TEXT, Anchor::Start);
+            sheet.rectangle(swatch, style::category(*index).with_alpha(0.85))?;
+            sheet.text(name, [x + 34.0, y + 17.0], TICK, TEXT, Anchor::Start)?;
         }
     }
+    Ok(())
 }

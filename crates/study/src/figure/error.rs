@@ -1,5 +1,7 @@
 //! What can be wrong with the data given to a figure.
 
+use plotters::drawing::DrawingAreaErrorKind;
+
 /// A figure that cannot be drawn. Missing data is no error: it leaves an empty panel with a note.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FigureError {
@@ -33,6 +35,18 @@ pub enum FigureError {
         /// Its value.
         value: f64,
     },
+    /// plotters could not draw it.
+    #[error("figure: plotters gave up: {reason}")]
+    Plotters {
+        /// In its words.
+        reason: String,
+    },
+}
+
+impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for FigureError {
+    fn from(error: DrawingAreaErrorKind<E>) -> Self {
+        Self::Plotters { reason: error.to_string() }
+    }
 }
 
 /// Checks that `column` of `name` is as long as `other`.

@@ -1,11 +1,14 @@
 //! The claims as a forest plot: effect and interval of each, the smallest effect of interest, and the verdict.
 
-use super::axis::{Axis, Scale};
+use super::axis::{Axis, Scale, Tick};
 use super::drawing::{Anchor, Drawing, Rect};
 use super::error::FigureError;
-use super::panel::{Panel, draw_note, draw_patched, draw_title};
+use super::panel::{Panel, draw_note, draw_patched, draw_title, title_height};
+use super::sheet::{Sheet, filled, fine, stroked};
 use super::style::{self, AXIS, CHART_WIDTH, GRID, Ink, LABEL, MARGIN, MARKER, MUTED, TEXT, TICK};
 use super::text::{self, Face};
+use plotters::chart::LabelAreaPosition;
+use plotters::element::{EmptyElement, ErrorBar, PathElement, Polygon, Rectangle};
 
 /// What became of a claim; it gives the colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,12 +80,9 @@ pub fn forest(figure: &Forest<'_>) -> Result<Drawing, FigureError> {
         return Err(FigureError::NotPositive { what: "delta", value: figure.delta });
     }
     let width = f64::from(CHART_WIDTH);
-    let title = if figure.title.is_empty() { 0.0 } else { style::TITLE * text::LEADING + 12.0 };
     let note = if figure.note.is_empty() { 0.0 } else { TICK + 20.0 };
-    let top = MARGIN + title + 92.0;
+    let top = MARGIN + title_height(figure.title) + 92.0;
     let bottom = top + figure.rows.len() as f64 * ROW;
-    let mut drawing = Drawing::new(width, bottom + 92.0 + note);
-    draw_title(&mut drawing, figure.title);
     let names = figure.rows.iter().flat_map(|row| {
         [text::width(row.claim, Face::Bold, LABEL), text::width(row.contrast, Face::Regular, TICK)]
     });
@@ -92,81 +92,99 @@ pub fn forest(figure: &Forest<'_>) -> Result<Drawing, FigureError> {
         figure.rows.iter().flat_map(|row| row.effect.into_iter().chain(row.interval.into_iter().flatten()));
     let spread = data.chain([-1.6 * figure.delta, 1.6 * figure.delta]);
     let x = Axis::around(Scale::Linear, spread, 0.04);
-    let panel = Panel { area, x, y: Axis { scale: Scale::Linear, low: 0.0, high: 1.0 } };
-    draw_reference(&mut drawing, &panel, figure);
-    for (index, row) in figure.rows.iter().enumerate() {
-        draw_row(&mut drawing, &panel, row, top + (index as f64 + 0.5) * ROW);
-    }
-    panel.draw_x(&mut drawing, figure.label);
-    draw_note(&mut drawing, figure.note);
-    Ok(drawing)
-}
-
-/// The zero line, the zone within delta, and the axis of ratios above.
-fn draw_reference(drawing: &mut Drawing, panel: &Panel, figure: &Forest<'_>) {
-    let area = panel.area;
-    let column = |value: f64| panel.column(value).unwrap_or(area.left);
-    let [low, high] = [column(-figure.delta), column(figure.delta)];
-    drawing.rectangle(Rect { left: low, right: high, ..area }, Ink::hex(0xf1f3f5));
-    for edge in [low, high] {
-        drawing.dashed([edge, area.bottom], [edge, area.top], 2.0, AXIS, 6.0);
-    }
-    drawing.line(vec![[column(0.0), area.bottom], [column(0.0), area.top]], 2.0, MARKER);
-    drawing.line(vec![[area.left, area.top], [area.right, area.top]], 1.5, AXIS);
-    let mut free = f64::NEG_INFINITY;
-    for ratio in [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 0.8, 1.0, 1.25, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0] {
-        let x = column(libm::log(ratio));
-        let label = format!("{}\u{d7}", style::number(ratio, 2));
-        let half = 0.5 * text::width(&label, Face::Regular, TICK);
-        if x < area.left || x > area.right || x - half < free + 10.0 {
-            continue;
+    // Rows count downwards; each lies in the middle of its unit.
+    let y = Axis { scale: Scale::Linear, low: figure.rows.len() as f64, high: 0.0 };
+    Sheet::drawn(width, bottom + 92.0 + note, |sheet| {
+        draw_title(sheet, figure.title)?;
+        let mut panel = Panel::new(sheet, area, x, y)?;
+        draw_reference(&panel, figure)?;
+        draw_ratios(sheet, &panel)?;
+        for (index, row) in figure.rows.iter().enumerate() {
+            draw_row(sheet, &panel, row, index as f64 + 0.5)?;
         }
-        free = x + half;
-        drawing.line(vec![[x, area.top], [x, area.top - 7.0]], 1.5, AXIS);
-        drawing.text(&label, [x, area.top - 14.0], TICK, MUTED, Anchor::Middle);
-    }
-    let heading = "as a ratio";
-    drawing.text(heading, [area.centre()[0], area.top - 22.0 - TICK], TICK, TEXT, Anchor::Middle);
-    drawing.label("verdict", [area.right + 34.0, area.top - 14.0], TICK, Face::Regular, MUTED, Anchor::Start);
+        panel.draw_x(figure.label)?;
+        draw_note(sheet, figure.note)
+    })
 }
 
-fn draw_row(drawing: &mut Drawing, panel: &Panel, row: &Row<'_>, middle: f64) {
+/// The zero line and the zone within delta.
+fn draw_reference(panel: &Panel<'_>, figure: &Forest<'_>) -> Result<(), FigureError> {
+    let (low, high) = (panel.y.low, panel.y.high);
+    let zone = [(-figure.delta, low), (figure.delta, high)];
+    panel.plot().draw(&Rectangle::new(zone, filled(Ink::hex(0xf1f3f5))))?;
+    for edge in [-figure.delta, figure.delta] {
+        panel.draw_dashed([(edge, low), (edge, high)], 6.0, stroked(2.0, AXIS))?;
+    }
+    Ok(panel.plot().draw(&PathElement::new([(0.0, low), (0.0, high)], stroked(2.0, MARKER)))?)
+}
+
+/// The upper axis: a difference of logarithms read as a ratio. Ratios whose labels would touch are left out.
+fn draw_ratios(sheet: &Sheet<'_>, below: &Panel<'_>) -> Result<(), FigureError> {
+    let area = below.area;
+    let [low, high] = [below.x.low, below.x.high].map(libm::exp);
+    let mut free = f64::NEG_INFINITY;
+    let mut ticks = Vec::new();
+    for value in [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 0.8, 1.0, 1.25, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0] {
+        let label = format!("{}\u{d7}", style::number(value, 2));
+        let half = 0.5 * text::width(&label, Face::Regular, TICK);
+        let Some(column) = below.column(libm::log(value)) else { continue };
+        if value >= low && value <= high && column - half >= free + 10.0 {
+            free = column + half;
+            ticks.push(Tick { value, label });
+        }
+    }
+    let x = Axis { scale: Scale::Logarithmic, low, high };
+    Panel::with_ticks(sheet, area, [x, below.y], ticks, LabelAreaPosition::Top)?.draw_x("as a ratio")?;
+    sheet.text("verdict", [area.right + 34.0, area.top - 14.0], TICK, MUTED, Anchor::Start)
+}
+
+/// A row `y` units below the top of the panel.
+fn draw_row(sheet: &Sheet<'_>, panel: &Panel<'_>, row: &Row<'_>, y: f64) -> Result<(), FigureError> {
     let area = panel.area;
-    let width = f64::from(drawing.width);
-    drawing.line(vec![[MARGIN, middle + 0.5 * ROW], [width - MARGIN, middle + 0.5 * ROW]], 1.0, GRID);
+    let middle = area.top + y * ROW;
+    let rule = [[MARGIN, middle + 0.5 * ROW], [sheet.width - MARGIN, middle + 0.5 * ROW]];
+    sheet.line(rule, 1.0, GRID)?;
     let limit = area.left - MARGIN - 30.0;
     let base = middle + if row.contrast.is_empty() { 0.5 * text::CAP_HEIGHT * LABEL } else { -4.0 };
     let (name, size) = text::fit(row.claim, Face::Bold, LABEL, style::SMALLEST, limit);
-    drawing.label(&name.join(" "), [MARGIN, base], size, Face::Bold, TEXT, Anchor::Start);
+    sheet.label(&name.join(" "), [MARGIN, base], size, Face::Bold, TEXT, Anchor::Start)?;
     let (contrast, size) = text::fit(row.contrast, Face::Regular, TICK, 14.0, limit);
-    drawing.text(&contrast.join(" "), [MARGIN, middle + 6.0 + TICK], size, MUTED, Anchor::Start);
+    sheet.text(&contrast.join(" "), [MARGIN, middle + 6.0 + TICK], size, MUTED, Anchor::Start)?;
     let ink = row.outcome.ink();
-    let ends = row.interval.map(|ends| ends.map(|end| panel.column(end)));
-    if let Some([Some(low), Some(high)]) = ends {
-        drawing.line(vec![[low, middle], [high, middle]], 4.0, ink);
-        for end in [low, high] {
-            drawing.line(vec![[end, middle - 8.0], [end, middle + 8.0]], 3.0, ink);
-        }
+    if let Some([low, high]) = row.interval
+        && panel.column(low).and(panel.column(high)).is_some()
+    {
+        let style = stroked(4.0, ink);
+        panel.plot().draw(&ErrorBar::new_horizontal(
+            y,
+            low,
+            0.5 * (low + high),
+            high,
+            style,
+            fine(16.0) as u32,
+        ))?;
     }
-    match row.effect.and_then(|effect| panel.column(effect)) {
-        Some(x) => {
-            let [r, rim] = [10.0, 13.0];
-            for (r, ink) in [(rim, style::PAPER), (r, ink)] {
-                let square = vec![[x - r, middle], [x, middle - r], [x + r, middle], [x, middle + r]];
-                drawing.polygon(square, ink);
+    match row.effect.filter(|effect| panel.column(*effect).is_some()) {
+        Some(effect) => {
+            for (reach, ink) in [(13.0, style::PAPER), (10.0, ink)] {
+                let r = fine(reach);
+                let diamond = Polygon::new([(-r, 0), (0, -r), (r, 0), (0, r)], filled(ink));
+                panel.plot().draw(&(EmptyElement::at((effect, y)) + diamond))?;
             }
         }
         None => {
             let position = [area.centre()[0], middle + 0.5 * text::CAP_HEIGHT * TICK];
-            draw_patched(drawing, "no effect estimated", position, Anchor::Middle);
+            draw_patched(sheet, "no effect estimated", position, Anchor::Middle)?;
         }
     }
-    let (lines, size) = text::fit(row.verdict, Face::Bold, LABEL, 17.0, width - MARGIN - area.right - 34.0);
+    let limit = sheet.width - MARGIN - area.right - 34.0;
+    let (lines, size) = text::fit(row.verdict, Face::Bold, LABEL, 17.0, limit);
     let first =
         middle + 0.5 * text::CAP_HEIGHT * size - 0.5 * (lines.len() - 1) as f64 * size * text::LEADING;
     for (k, line) in lines.iter().enumerate() {
         let face = if k == 0 { Face::Bold } else { Face::Regular };
         let position = [area.right + 34.0, first + k as f64 * size * text::LEADING];
-        drawing.label(line, position, size, face, ink, Anchor::Start);
+        sheet.label(line, position, size, face, ink, Anchor::Start)?;
     }
+    Ok(())
 }

@@ -1,23 +1,28 @@
 //! Figures, from plain numbers to PNG.
 //!
 //! A function per kind of figure takes slices and names and returns a [`Drawing`]: a value which [`Drawing::png`]
-//! paints. Nothing here reads a file, knows a study or runs a case. Data that is missing or not finite leaves a note
+//! paints. The charts are plotters' own: [`Drawing`] is a plotters backend that keeps marks instead of pixels, axes
+//! and meshes come from its chart builder, and curves, bands, bars and points are its elements. Nothing here reads a file, knows a study or runs a case. Data that is missing or not finite leaves a note
 //! in the panel; data that contradicts itself is a [`FigureError`].
 
 pub mod axis;
+mod backend;
 pub mod curves;
 pub mod drawing;
 pub mod energy;
 mod error;
 pub mod forest;
-pub mod panel;
+mod panel;
 pub mod pilot;
 mod raster;
+mod sheet;
 pub mod sizes;
 pub mod snowballs;
+mod splats;
 pub mod strips;
 pub mod style;
 pub mod text;
+mod window;
 
 pub use drawing::Drawing;
 pub use error::FigureError;

@@ -43,15 +43,9 @@ impl Drawing {
             match mark {
                 Mark::Polygon { points, ink } => fill(&mut image, &edges(points), *ink),
                 Mark::Line { points, width, ink } => fill(&mut image, &stroke(points, *width), *ink),
-                Mark::Disc { centre, radius, ink, rim } => {
+                Mark::Disc { centre, radius, ink } => {
                     let paper = Rect { left: 0.0, top: 0.0, right: width as f64, bottom: height as f64 };
-                    match rim {
-                        None => disc(&mut image, *centre, *radius, *ink, paper),
-                        Some((rim, colour)) => {
-                            disc(&mut image, *centre, *radius, *colour, paper);
-                            disc(&mut image, *centre, radius - rim, *ink, paper);
-                        }
-                    }
+                    disc(&mut image, *centre, *radius, *ink, paper);
                 }
                 Mark::Splats { points, radius, clip } => {
                     for (centre, ink) in points {

@@ -1,11 +1,16 @@
 //! The snowballs before and after impact: one column per arm, the state at rest above the state measured, all
 //! panels at one scale of pixels per metre.
 
-use super::drawing::{Anchor, Drawing, Mark, Rect};
+use super::axis::{Axis, Scale};
+use super::drawing::{Anchor, Drawing, Rect};
 use super::error::{FigureError, same_length};
-use super::panel::draw_title;
-use super::style::{self, AXIS, DUST, HEADING, Ink, LABEL, MUTED, TEXT, TICK};
+use super::panel::{Panel, draw_title, title_height};
+use super::sheet::{Sheet, filled, stroked};
+use super::splats::Splats;
+use super::style::{self, DUST, HEADING, Ink, LABEL, MUTED, TEXT, TICK};
 use super::text::{self, Face};
+use super::window::{in_fragments, inside, window, within};
+use plotters::element::{PathElement, Polygon, Rectangle};
 
 /// Particles at one time.
 #[derive(Clone, Copy, Debug)]
@@ -54,8 +59,6 @@ pub struct Snowballs<'a> {
 
 /// Radius of a splat over the mean spacing (chosen: neighbours on a square lattice just overlap).
 const SPLAT: f64 = 0.62;
-/// Share of the particles in fragments that may lie outside the window on each side (chosen: as for dust).
-const OUTSIDE: f64 = 0.0005;
 /// Arms beside each other; more arms start a new pair of rows (chosen: 30,000 particles stay legible).
 const PER_LINE: usize = 4;
 /// Most height of a panel over its width (chosen: a lone piece thrown high must not stretch the page).
@@ -69,20 +72,22 @@ const ROW_LABEL: f64 = 46.0;
 /// [`FigureError`] if no ball is given, a column has the wrong length, or a spacing is not above 0.
 pub fn fragments(figure: &Snowballs<'_>) -> Result<Drawing, FigureError> {
     let layout = Layout::new(figure, 2.0 * TICK * text::LEADING + 20.0, 40.0)?;
-    let mut drawing = layout.frame(figure);
-    for (column, ball) in figure.balls.iter().enumerate() {
-        for (row, snapshot) in [ball.before, ball.after].iter().enumerate() {
-            let ink = |k: usize| snapshot.fragments[k].map_or(DUST, |rank| style::category(rank as usize));
-            // Dust first, then from the heaviest fragment to the lightest, so that small pieces are seen.
-            let order = |k: usize| snapshot.fragments[k].map_or(0, |rank| u64::from(rank) + 1);
-            layout.splats(&mut drawing, [column, row], ball.spacing, snapshot, &ink, &order);
-            layout.caption(&mut drawing, [column, row], snapshot);
+    layout.drawn(figure, |sheet| {
+        for (column, ball) in figure.balls.iter().enumerate() {
+            for (row, snapshot) in [ball.before, ball.after].iter().enumerate() {
+                let ink =
+                    |k: usize| snapshot.fragments[k].map_or(DUST, |rank| style::category(rank as usize));
+                // Dust first, then from the heaviest fragment to the lightest, so that small pieces are seen.
+                let order = |k: usize| snapshot.fragments[k].map_or(0, |rank| u64::from(rank) + 1);
+                let panel = layout.panel(sheet, [column, row])?;
+                layout.splats(&panel, ball.spacing, snapshot, &ink, &order)?;
+                layout.caption(sheet, [column, row], snapshot)?;
+                foreground(&panel, figure)?;
+            }
         }
-    }
-    layout.foreground(&mut drawing, figure);
-    layout.length_bar(&mut drawing, 30.0);
-    layout.fragment_key(&mut drawing);
-    Ok(drawing)
+        layout.length_bar(sheet, 30.0)?;
+        layout.fragment_key(sheet)
+    })
 }
 
 /// Every particle coloured by ln J_P, with one colour bar for all panels: blue where snow is compacted, orange where
@@ -92,7 +97,6 @@ pub fn fragments(figure: &Snowballs<'_>) -> Result<Drawing, FigureError> {
 /// As [`fragments`].
 pub fn plastic_volume(figure: &Snowballs<'_>) -> Result<Drawing, FigureError> {
     let layout = Layout::new(figure, 20.0, 92.0)?;
-    let mut drawing = layout.frame(figure);
     let all = figure.balls.iter().flat_map(|ball| [ball.before, ball.after]);
     let mut sizes: Vec<f64> = all
         .flat_map(|snapshot| snapshot.ln_plastic_volume_ratio.iter())
@@ -102,18 +106,20 @@ pub fn plastic_volume(figure: &Snowballs<'_>) -> Result<Drawing, FigureError> {
     sizes.sort_by(f64::total_cmp);
     let end = sizes.get(sizes.len() * 98 / 100).copied().unwrap_or(0.0);
     let end = (end * 20.0).ceil().max(1.0) / 20.0;
-    for (column, ball) in figure.balls.iter().enumerate() {
-        for (row, snapshot) in [ball.before, ball.after].iter().enumerate() {
-            let values = snapshot.ln_plastic_volume_ratio;
-            let ink = |k: usize| style::diverging(values[k] / end);
-            let order = |k: usize| (values[k].abs() * 1e6) as u64;
-            layout.splats(&mut drawing, [column, row], ball.spacing, snapshot, &ink, &order);
+    layout.drawn(figure, |sheet| {
+        for (column, ball) in figure.balls.iter().enumerate() {
+            for (row, snapshot) in [ball.before, ball.after].iter().enumerate() {
+                let values = snapshot.ln_plastic_volume_ratio;
+                let ink = |k: usize| style::diverging(values[k] / end);
+                let order = |k: usize| (values[k].abs() * 1e6) as u64;
+                let panel = layout.panel(sheet, [column, row])?;
+                layout.splats(&panel, ball.spacing, snapshot, &ink, &order)?;
+                foreground(&panel, figure)?;
+            }
         }
-    }
-    layout.foreground(&mut drawing, figure);
-    layout.length_bar(&mut drawing, 74.0);
-    layout.colour_bar(&mut drawing, end);
-    Ok(drawing)
+        layout.length_bar(sheet, 74.0)?;
+        layout.colour_bar(sheet, end)
+    })
 }
 
 /// Where the panels lie and which part of space they show.
@@ -159,11 +165,10 @@ impl Layout {
         let panel = ((width - 2.0 * style::MARGIN - ROW_LABEL - (columns - 1.0) * GAP) / columns).floor();
         let pad = 0.04 * (high - low);
         let scale = panel / (high - low + 2.0 * pad);
-        let title = if figure.title.is_empty() { 0.0 } else { style::TITLE * text::LEADING + 12.0 };
         let heading = |ball: &Snowball<'_>| text::shrink(ball.arm, Face::Bold, HEADING, 18.0, panel).0.len();
         let lines = figure.balls.iter().map(heading).max().unwrap_or(1);
         let names = lines as f64 * HEADING * text::LEADING + 12.0;
-        let start = style::MARGIN + title;
+        let start = style::MARGIN + title_height(figure.title);
         let mut top = start + names;
         let mut areas = Vec::new();
         let mut corners = Vec::new();
@@ -191,134 +196,128 @@ impl Layout {
         Rect { left: left + x, top: top + y, right: right + x, bottom: bottom + y }
     }
 
-    fn place(&self, panel: [usize; 2], [x, y]: [f64; 2]) -> [f64; 2] {
-        let (area, corner) = (self.area(panel), self.corner[panel[1]]);
-        [area.left + (x - corner[0]) * self.scale, area.bottom - (y - corner[1]) * self.scale]
+    /// The axes of a row [m]: those of a panel at one scale in both directions.
+    fn axes(&self, row: usize) -> [Axis; 2] {
+        let (area, [x, y]) = (self.rows[row], self.corner[row]);
+        let axis =
+            |low: f64, pixels: f64| Axis { scale: Scale::Linear, low, high: low + pixels / self.scale };
+        [axis(x, area.width()), axis(y, area.height())]
     }
 
-    /// Titles, names of arms and rows, and the paper of the panels.
-    fn frame(&self, figure: &Snowballs<'_>) -> Drawing {
-        let mut drawing = Drawing::new(self.size[0], self.size[1]);
-        draw_title(&mut drawing, figure.title);
-        for (column, ball) in figure.balls.iter().enumerate() {
-            let area = self.area([column, 0]);
-            if column % PER_LINE == 0 {
-                for (row, name) in figure.rows.iter().enumerate() {
-                    let middle = self.area([column, row]).centre()[1];
-                    drawing.upwards(name, [style::MARGIN + LABEL, middle], LABEL, TEXT);
+    /// The chart of a panel.
+    fn panel<'d>(&self, sheet: &Sheet<'d>, [column, row]: [usize; 2]) -> Result<Panel<'d>, FigureError> {
+        let [x, y] = self.axes(row);
+        Panel::new(sheet, self.area([column, row]), x, y)
+    }
+
+    /// A drawing with titles, names of arms and rows, the paper of the panels, and what `draw` adds.
+    fn drawn(
+        &self,
+        figure: &Snowballs<'_>,
+        draw: impl FnOnce(&Sheet<'_>) -> Result<(), FigureError>,
+    ) -> Result<Drawing, FigureError> {
+        Sheet::drawn(self.size[0], self.size[1], |sheet| {
+            draw_title(sheet, figure.title)?;
+            for (column, ball) in figure.balls.iter().enumerate() {
+                if column % PER_LINE == 0 {
+                    for (row, name) in figure.rows.iter().enumerate() {
+                        let middle = self.area([column, row]).centre()[1];
+                        sheet.upwards(name, [style::MARGIN + LABEL, middle], LABEL, TEXT)?;
+                    }
+                }
+                self.panel(sheet, [column, 0])?.draw_heading(ball.arm, 16.0, TEXT)?;
+                for row in 0..2 {
+                    sheet.rectangle(self.area([column, row]), Ink::hex(0xf6f7f9))?;
                 }
             }
-            let (lines, size) = text::shrink(ball.arm, Face::Bold, HEADING, 18.0, area.width());
-            let first = area.top - 16.0 - (lines.len() - 1) as f64 * size * text::LEADING;
-            for (row, line) in lines.iter().enumerate() {
-                let position = [area.left, first + row as f64 * size * text::LEADING];
-                drawing.label(line, position, size, Face::Bold, TEXT, Anchor::Start);
-            }
-            for row in 0..2 {
-                drawing.rectangle(self.area([column, row]), Ink::hex(0xf6f7f9));
-            }
-        }
-        drawing
+            draw(sheet)
+        })
     }
 
     fn splats(
         &self,
-        drawing: &mut Drawing,
-        panel: [usize; 2],
+        panel: &Panel<'_>,
         spacing: f64,
         snapshot: &Snapshot<'_>,
         ink: &dyn Fn(usize) -> Ink,
         order: &dyn Fn(usize) -> u64,
-    ) {
-        let area = self.area(panel);
+    ) -> Result<(), FigureError> {
         let positions = snapshot.positions;
-        let mut shown: Vec<usize> =
-            (0..positions.len()).filter(|k| positions[*k].iter().all(|v| v.is_finite())).collect();
-        if shown.is_empty() {
+        if !positions.iter().any(|p| p.iter().all(|v| v.is_finite())) {
             let note = if positions.is_empty() { "no particles" } else { "no finite positions" };
-            drawing.label(note, area.centre(), TICK, Face::Oblique, MUTED, Anchor::Middle);
-            return;
+            return panel.draw_empty(note);
         }
+        let axes = [panel.x, panel.y];
+        let mut shown: Vec<usize> = (0..positions.len()).filter(|k| inside(&axes, positions[*k])).collect();
         shown.sort_by_key(|k| (order(*k), *k));
-        let points = shown.into_iter().map(|k| (self.place(panel, positions[k]), ink(k))).collect();
-        drawing.marks.push(Mark::Splats { points, radius: SPLAT * spacing * self.scale, clip: area });
-    }
-
-    /// Number of particles whose centre lies outside the panel.
-    fn outside(&self, panel: [usize; 2], snapshot: &Snapshot<'_>) -> usize {
-        let Rect { left, top, right, bottom } = self.area(panel);
-        let inside = |[x, y]: [f64; 2]| x >= left && x <= right && y >= top && y <= bottom;
-        snapshot.positions.iter().filter(|p| !inside(self.place(panel, **p))).count()
+        Ok(panel.plot().draw(&Splats {
+            centres: shown.iter().map(|k| positions[*k].into()).collect(),
+            inks: shown.into_iter().map(ink).collect(),
+            radius: SPLAT * spacing * self.scale,
+            clip: panel.area,
+        })?)
     }
 
     /// Number of fragments and largest share below a panel and, where there are any, the particles out of view.
-    fn caption(&self, drawing: &mut Drawing, panel: [usize; 2], snapshot: &Snapshot<'_>) {
-        let area = self.area(panel);
+    fn caption(
+        &self,
+        sheet: &Sheet<'_>,
+        [column, row]: [usize; 2],
+        snapshot: &Snapshot<'_>,
+    ) -> Result<(), FigureError> {
+        let area = self.area([column, row]);
         let noun = if snapshot.count == 1 { "fragment" } else { "fragments" };
         let mut lines = vec![format!("{} {noun}", snapshot.count)];
         if snapshot.largest_share.is_finite() {
             lines[0] += &format!(", largest {} %", style::number(100.0 * snapshot.largest_share, 1));
         }
-        let share = 100.0 * self.outside(panel, snapshot) as f64 / snapshot.positions.len().max(1) as f64;
+        let outside = snapshot.positions.iter().filter(|p| !inside(&self.axes(row), **p)).count();
+        let share = 100.0 * outside as f64 / snapshot.positions.len().max(1) as f64;
         if share > 0.0 {
             lines.push(format!("{} % of the particles out of view", style::number(share.max(0.01), 2)));
         }
         for (row, line) in lines.iter().enumerate() {
             let (line, size) = text::shrink(line, Face::Regular, TICK, 12.0, area.width());
             let position = [area.left, area.bottom + 6.0 + TICK + row as f64 * TICK * text::LEADING];
-            drawing.text(&line.join(" "), position, size, MUTED, Anchor::Start);
+            sheet.text(&line.join(" "), position, size, MUTED, Anchor::Start)?;
         }
+        Ok(())
     }
 
-    /// The floor and the obstacle in every panel.
-    fn foreground(&self, drawing: &mut Drawing, figure: &Snowballs<'_>) {
-        for column in 0..figure.balls.len() {
-            for row in 0..2 {
-                let panel = [column, row];
-                let area = self.area(panel);
-                let level = self.place(panel, [0.0, figure.floor])[1];
-                drawing.rectangle(Rect { top: level, ..area }, Ink::hex(0xdfe3e7));
-                drawing.line(vec![[area.left, level], [area.right, level]], 2.5, TEXT);
-                let outline: Vec<_> = figure.obstacle.iter().map(|p| self.place(panel, *p)).collect();
-                drawing.polygon(outline, Ink::hex(0x7d8791));
-            }
-        }
-    }
-
-    fn length_bar(&self, drawing: &mut Drawing, key: f64) {
+    fn length_bar(&self, sheet: &Sheet<'_>, key: f64) -> Result<(), FigureError> {
         let wide = self.rows[0].width() / self.scale * 0.3;
         let power = libm::pow(10.0, libm::floor(libm::log10(wide)));
         let length = [5.0, 2.0, 1.0].map(|f| f * power).into_iter().find(|l| *l <= wide).unwrap_or(power);
         let right = self.size[0] - style::MARGIN;
         let (left, y) = (right - length * self.scale, self.size[1] - key);
-        drawing.line(vec![[left, y], [right, y]], 3.0, TEXT);
+        sheet.line([[left, y], [right, y]], 3.0, TEXT)?;
         for end in [left, right] {
-            drawing.line(vec![[end, y - 6.0], [end, y + 6.0]], 2.0, TEXT);
+            sheet.line([[end, y - 6.0], [end, y + 6.0]], 2.0, TEXT)?;
         }
         let label = match length {
             l if l < 0.01 => format!("{} mm", style::number(1000.0 * l, 2)),
             l if l < 1.0 => format!("{} cm", style::number(100.0 * l, 2)),
             l => format!("{} m", style::number(l, 2)),
         };
-        drawing.text(&label, [left - 12.0, y + 0.5 * text::CAP_HEIGHT * TICK], TICK, TEXT, Anchor::End);
+        sheet.text(&label, [left - 12.0, y + 0.5 * text::CAP_HEIGHT * TICK], TICK, TEXT, Anchor::End)
     }
 
-    fn fragment_key(&self, drawing: &mut Drawing) {
+    fn fragment_key(&self, sheet: &Sheet<'_>) -> Result<(), FigureError> {
         let y = self.size[1] - 30.0;
         let mut x = self.rows[0].left;
         for rank in 0..style::OKABE_ITO.len() {
-            drawing.disc([x + 8.0, y], 8.0, style::category(rank), None);
+            sheet.disc([x + 8.0, y], 8.0, style::category(rank))?;
             x += 22.0;
         }
         let base = y + 0.5 * text::CAP_HEIGHT * TICK;
         let words = "fragments, heaviest first (colours repeat)";
-        drawing.text(words, [x + 6.0, base], TICK, MUTED, Anchor::Start);
+        sheet.text(words, [x + 6.0, base], TICK, MUTED, Anchor::Start)?;
         x += 6.0 + text::width(words, Face::Regular, TICK) + 34.0;
-        drawing.disc([x + 8.0, y], 8.0, DUST, None);
-        drawing.text("dust", [x + 24.0, base], TICK, MUTED, Anchor::Start);
+        sheet.disc([x + 8.0, y], 8.0, DUST)?;
+        sheet.text("dust", [x + 24.0, base], TICK, MUTED, Anchor::Start)
     }
 
-    fn colour_bar(&self, drawing: &mut Drawing, end: f64) {
+    fn colour_bar(&self, sheet: &Sheet<'_>, end: f64) -> Result<(), FigureError> {
         let width = (0.42 * self.size[0]).floor();
         let left = self.rows[0].left + 16.0;
         let area = Rect { left, top: self.size[1] - 88.0, right: left + width, bottom: self.size[1] - 60.0 };
@@ -326,47 +325,29 @@ impl Layout {
         for step in 0..steps {
             let t = 2.0 * (step as f64 + 0.5) / steps as f64 - 1.0;
             let x = area.left + step as f64;
-            drawing.rectangle(Rect { left: x, right: x + 1.0, ..area }, style::diverging(t));
+            sheet.rectangle(Rect { left: x, right: x + 1.0, ..area }, style::diverging(t))?;
         }
         let middle = area.centre()[1];
         for (x, out, t) in [(area.left, -16.0, -1.0), (area.right, 16.0, 1.0)] {
-            let triangle = vec![[x, area.top], [x + out, middle], [x, area.bottom]];
-            drawing.polygon(triangle, style::diverging(t));
+            let triangle = [[x, area.top], [x + out, middle], [x, area.bottom]];
+            sheet.polygon(&triangle, style::diverging(t))?;
         }
-        let axis = super::axis::Axis { scale: super::axis::Scale::Linear, low: -end, high: end };
-        for tick in axis.ticks(11) {
-            let x = area.left + axis.share(tick.value).unwrap_or(0.0) * width;
-            drawing.line(vec![[x, area.bottom], [x, area.bottom + 7.0]], 1.5, AXIS);
-            drawing.text(&tick.label, [x, area.bottom + 10.0 + TICK], TICK, MUTED, Anchor::Middle);
-        }
+        let x = Axis { scale: Scale::Linear, low: -end, high: end };
+        let y = Axis { scale: Scale::Linear, low: 0.0, high: 1.0 };
+        Panel::new(sheet, area, x, y)?.draw_x("")?;
         let base = middle + 0.5 * text::CAP_HEIGHT * LABEL;
-        drawing.text("ln J_{P}", [area.right + 34.0, base], LABEL, TEXT, Anchor::Start);
+        sheet.text("ln J_{P}", [area.right + 34.0, base], LABEL, TEXT, Anchor::Start)?;
         let words = "compacted below 0, opened above";
-        drawing.text(words, [area.right + 120.0, base], TICK, MUTED, Anchor::Start);
+        sheet.text(words, [area.right + 120.0, base], TICK, MUTED, Anchor::Start)
     }
 }
 
-/// Positions of the particles that belong to fragments; of all particles if none does. Specks of dust fly far and
-/// must not shrink the rest.
-fn in_fragments(snapshot: &Snapshot<'_>) -> Vec<[f64; 2]> {
-    let paired = snapshot.positions.iter().zip(snapshot.fragments);
-    let kept: Vec<_> = paired.filter(|(_, rank)| rank.is_some()).map(|(p, _)| *p).collect();
-    if kept.is_empty() { snapshot.positions.to_vec() } else { kept }
-}
-
-/// Lower left and upper right corner of a box round all but [`OUTSIDE`] of each list of points; `None` without any.
-fn window(lists: &[Vec<[f64; 2]>]) -> Option<([f64; 2], [f64; 2])> {
-    let mut low = [f64::INFINITY; 2];
-    let mut high = [f64::NEG_INFINITY; 2];
-    for list in lists {
-        for axis in 0..2 {
-            let mut values: Vec<f64> = list.iter().map(|p| p[axis]).filter(|v| v.is_finite()).collect();
-            values.sort_by(f64::total_cmp);
-            let Some(last) = values.len().checked_sub(1) else { continue };
-            let cut = (OUTSIDE * values.len() as f64) as usize;
-            low[axis] = low[axis].min(values[cut]);
-            high[axis] = high[axis].max(values[last - cut]);
-        }
-    }
-    (low[0] <= high[0] && low[1] <= high[1]).then_some((low, high))
+/// The floor and the obstacle in a panel.
+fn foreground(panel: &Panel<'_>, figure: &Snowballs<'_>) -> Result<(), FigureError> {
+    let (x, floor) = (panel.x, figure.floor);
+    let ground = [(x.low, floor), (x.high, panel.y.low)];
+    panel.plot().draw(&Rectangle::new(ground, filled(Ink::hex(0xdfe3e7))))?;
+    panel.plot().draw(&PathElement::new([(x.low, floor), (x.high, floor)], stroked(2.5, TEXT)))?;
+    let outline = within(&[panel.x, panel.y], figure.obstacle);
+    Ok(panel.plot().draw(&Polygon::new(outline, filled(Ink::hex(0x7d8791))))?)
 }

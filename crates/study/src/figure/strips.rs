@@ -3,9 +3,11 @@
 use super::axis::{Axis, Scale};
 use super::drawing::{Anchor, Drawing, Rect};
 use super::error::FigureError;
-use super::panel::{Panel, draw_note, draw_title};
-use super::style::{self, CHART_WIDTH, LABEL, MARGIN, MUTED, TEXT, TICK};
+use super::panel::{Panel, draw_note, draw_title, title_height};
+use super::sheet::{Sheet, filled, fine, stroked};
+use super::style::{self, CHART_WIDTH, Ink, LABEL, MARGIN, MUTED, TEXT, TICK};
 use super::text::{self, Face};
+use plotters::element::{Circle, EmptyElement, ErrorBar};
 
 /// Mean and interval of an arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,95 +84,107 @@ pub fn strips(figure: &Strips<'_>) -> Result<Drawing, FigureError> {
     let names: Vec<_> =
         figure.arms.iter().map(|arm| text::wrap(arm, Face::Regular, size, slot - 10.0)).collect();
     let most = names.iter().map(Vec::len).max().unwrap_or(1) as f64;
-    let title = if figure.title.is_empty() { 0.0 } else { style::TITLE * text::LEADING + 12.0 };
     let note = if figure.note.is_empty() { 0.0 } else { TICK + 20.0 };
     let panels = figure.endpoints.len() as f64 * (HEIGHT + GAP);
-    let total = MARGIN + title + panels + most * size * text::LEADING + note + 24.0;
-    let mut drawing = Drawing::new(f64::from(CHART_WIDTH), total);
-    draw_title(&mut drawing, figure.title);
-    let mut top = MARGIN + title + 16.0;
-    for endpoint in figure.endpoints {
-        let area = Rect { left: LEFT, top, right: f64::from(CHART_WIDTH) - MARGIN, bottom: top + HEIGHT };
-        draw_endpoint(&mut drawing, endpoint, area, slot);
-        top += HEIGHT + GAP;
-    }
-    for (index, lines) in names.iter().enumerate() {
-        let x = LEFT + (index as f64 + 0.5) * slot;
-        drawing.lines(lines, [x, top - GAP + 14.0 + size], size, TEXT, Anchor::Middle);
-    }
-    draw_note(&mut drawing, figure.note);
-    Ok(drawing)
+    let first = MARGIN + title_height(figure.title);
+    let total = first + panels + most * size * text::LEADING + note + 24.0;
+    Sheet::drawn(f64::from(CHART_WIDTH), total, |sheet| {
+        draw_title(sheet, figure.title)?;
+        let mut top = first + 16.0;
+        for endpoint in figure.endpoints {
+            let area = Rect { left: LEFT, top, right: sheet.width - MARGIN, bottom: top + HEIGHT };
+            draw_endpoint(sheet, endpoint, area)?;
+            top += HEIGHT + GAP;
+        }
+        for (index, lines) in names.iter().enumerate() {
+            let position = [LEFT + (index as f64 + 0.5) * slot, top - GAP + 14.0 + size];
+            sheet.lines(lines, position, size, Face::Regular, TEXT, Anchor::Middle)?;
+        }
+        draw_note(sheet, figure.note)
+    })
 }
 
-fn draw_endpoint(drawing: &mut Drawing, endpoint: &Endpoint<'_>, area: Rect, slot: f64) {
+/// One panel; arm k has the abscissae from k to k + 1: points round k + 0.42, mean and interval at k + 0.88.
+fn draw_endpoint(sheet: &Sheet<'_>, endpoint: &Endpoint<'_>, area: Rect) -> Result<(), FigureError> {
     let ends = endpoint.strips.iter().filter_map(|s| s.summary).flat_map(|s| [s.low, s.high]);
     let values = endpoint.strips.iter().flat_map(|strip| strip.values).copied();
     let y = Axis::around(endpoint.scale, values.chain(ends), 0.07);
     let x = Axis { scale: Scale::Linear, low: 0.0, high: endpoint.strips.len() as f64 };
-    let panel = Panel { area, x, y };
-    panel.draw_y(drawing, endpoint.label);
-    panel.draw_x_line(drawing);
-    if endpoint.strips.iter().flat_map(|strip| strip.values).all(|v| panel.row(*v).is_none()) {
-        panel.draw_empty(drawing, "no data");
-        return;
+    let mut panel = Panel::new(sheet, area, x, y)?;
+    panel.draw_y(endpoint.label)?;
+    panel.draw_x_line()?;
+    let placed = |strip: &Strip<'_>| -> Vec<f64> {
+        strip.values.iter().copied().filter(|v| panel.row(*v).is_some()).collect()
+    };
+    if endpoint.strips.iter().all(|strip| placed(strip).is_empty()) {
+        return panel.draw_empty("no data");
     }
-    let rows_of = |strip: &Strip<'_>| strip.values.iter().filter_map(|v| panel.row(*v)).collect::<Vec<f64>>();
-    let reach = 0.36 * slot;
-    let fits = |radius: &f64| endpoint.strips.iter().all(|s| swarm(0.0, &rows_of(s), *radius, reach).1);
+    let rows = |strip: &Strip<'_>| strip.values.iter().filter_map(|v| panel.row(*v)).collect::<Vec<f64>>();
+    let reach = 0.36 * area.width() / x.high;
+    let fits = |radius: &f64| endpoint.strips.iter().all(|strip| swarm(&rows(strip), *radius, reach).1);
     let radius = [POINT, 5.0, 4.5].into_iter().find(fits).unwrap_or(4.0);
     for (index, strip) in endpoint.strips.iter().enumerate() {
-        let centre = area.left + (index as f64 + 0.42) * slot;
-        let rows = rows_of(strip);
-        let ink = style::category(index);
-        for [x, row] in swarm(centre, &rows, radius, reach).0 {
-            drawing.disc([x, row], radius, ink.with_alpha(0.62), None);
-        }
-        let missing = strip.values.len() - rows.len();
-        if missing > 0 {
-            let position = [area.left + (index as f64 + 0.5) * slot, area.top + 0.8 * TICK];
-            drawing.label(
-                &format!("{missing} missing"),
-                position,
-                18.0,
-                Face::Oblique,
-                MUTED,
-                Anchor::Middle,
-            );
+        let left = index as f64;
+        let (values, ink) = (placed(strip), style::category(index).with_alpha(0.62));
+        draw_swarm(&panel, left + 0.42, &values, radius, reach, ink)?;
+        let missing = strip.values.len() - values.len();
+        if let (1.., Some(column)) = (missing, panel.column(left + 0.5)) {
+            let (note, position) = (format!("{missing} missing"), [column, area.top + 0.8 * TICK]);
+            sheet.label(&note, position, 18.0, Face::Oblique, MUTED, Anchor::Middle)?;
         }
         if let Some(summary) = strip.summary {
-            draw_summary(drawing, &panel, summary, area.left + (index as f64 + 0.88) * slot);
+            draw_summary(&panel, summary, left + 0.88)?;
         }
     }
+    Ok(())
 }
 
-fn draw_summary(drawing: &mut Drawing, panel: &Panel, summary: Summary, column: f64) {
-    if let [Some(low), Some(high)] = [summary.low, summary.high].map(|v| panel.row(v)) {
-        drawing.line(vec![[column, low], [column, high]], 3.5, TEXT);
-        for end in [low, high] {
-            drawing.line(vec![[column - 6.0, end], [column + 6.0, end]], 3.0, TEXT);
-        }
+fn draw_summary(panel: &Panel<'_>, summary: Summary, x: f64) -> Result<(), FigureError> {
+    let Summary { mean, low, high } = summary;
+    let placed = |v: f64| panel.row(v).is_some();
+    let style = stroked(3.5, TEXT);
+    if placed(mean) && placed(low) && placed(high) {
+        panel.plot().draw(&ErrorBar::new_vertical(x, low, mean, high, style, fine(14.0) as u32))?;
+    } else if placed(mean) {
+        panel.plot().draw(&Circle::new((x, mean), fine(7.0), style))?;
     }
-    if let Some(mean) = panel.row(summary.mean) {
-        drawing.disc([column, mean], 7.0, TEXT, None);
-    }
+    Ok(())
 }
 
-/// Points set beside each other where they would overlap: each goes to the free place nearest the centre line, at
-/// most `reach` pixels from it. Where none is free it goes where it covers least. The second value says whether all
-/// points found a free place.
-pub(super) fn swarm(centre: f64, rows: &[f64], radius: f64, reach: f64) -> (Vec<[f64; 2]>, bool) {
+/// Points beside each other round the abscissa `x`; see [`swarm`].
+pub(super) fn draw_swarm(
+    panel: &Panel<'_>,
+    x: f64,
+    values: &[f64],
+    radius: f64,
+    reach: f64,
+    ink: Ink,
+) -> Result<(), FigureError> {
+    let placed: Vec<(f64, f64)> = values.iter().filter_map(|v| Some((*v, panel.row(*v)?))).collect();
+    let rows: Vec<f64> = placed.iter().map(|(_, row)| *row).collect();
+    for ((value, _), shift) in placed.iter().zip(swarm(&rows, radius, reach).0) {
+        let point = Circle::new((fine(shift), 0), fine(radius), filled(ink));
+        panel.plot().draw(&(EmptyElement::at((x, *value)) + point))?;
+    }
+    Ok(())
+}
+
+/// Shifts of points [pixels] that set them beside each other where they would overlap: each goes to the free place
+/// nearest the centre line, at most `reach` pixels from it. Where none is free it goes where it covers least. The
+/// second value says whether all points found a free place.
+fn swarm(rows: &[f64], radius: f64, reach: f64) -> (Vec<f64>, bool) {
     let mut placed: Vec<[f64; 2]> = Vec::with_capacity(rows.len());
     let mut all_free = true;
     let steps = (2.0 * reach / (0.5 * radius)) as i32;
     for row in rows {
-        let place = |k: i32| centre + f64::from((k + 1) / 2) * if k % 2 == 0 { 0.5 } else { -0.5 } * radius;
+        let place = |k: i32| f64::from((k + 1) / 2) * if k % 2 == 0 { 0.5 } else { -0.5 } * radius;
         let room =
             |x: f64| placed.iter().map(|p| libm::hypot(p[0] - x, p[1] - row)).fold(2.0 * radius, f64::min);
         let free = (0..=steps).map(place).find(|x| room(*x) >= 2.0 * radius);
         all_free &= free.is_some();
         // Of places with equal room the nearest, hence the search from outside.
         let widest = || (0..=steps).rev().map(place).max_by(|a, b| room(*a).total_cmp(&room(*b)));
-        placed.push([free.or_else(widest).unwrap_or(centre), *row]);
+        placed.push([free.or_else(widest).unwrap_or(0.0), *row]);
     }
-    (placed, all_free)
+    (placed.iter().map(|p| p[0]).collect(), all_free)
 }
