@@ -151,21 +151,14 @@ fn draw_row(sheet: &Sheet<'_>, panel: &Panel<'_>, row: &Row<'_>, y: f64) -> Resu
     let (contrast, size) = text::fit(row.contrast, Face::Regular, TICK, 14.0, limit);
     sheet.text(&contrast.join(" "), [MARGIN, middle + 6.0 + TICK], size, MUTED, Anchor::Start)?;
     let ink = row.outcome.ink();
-    if let Some([low, high]) = row.interval
-        && panel.column(low).and(panel.column(high)).is_some()
-    {
-        let style = stroked(4.0, ink);
-        panel.plot().draw(&ErrorBar::new_horizontal(
-            y,
-            low,
-            0.5 * (low + high),
-            high,
-            style,
-            fine(16.0) as u32,
-        ))?;
-    }
     match row.effect.filter(|effect| panel.column(*effect).is_some()) {
         Some(effect) => {
+            if let Some([low, high]) = row.interval
+                && panel.column(low).and(panel.column(high)).is_some()
+            {
+                let (style, caps) = (stroked(4.0, ink), fine(16.0) as u32);
+                panel.plot().draw(&ErrorBar::new_horizontal(y, low, effect, high, style, caps))?;
+            }
             for (reach, ink) in [(13.0, style::PAPER), (10.0, ink)] {
                 let r = fine(reach);
                 let diamond = Polygon::new([(-r, 0), (0, -r), (r, 0), (0, r)], filled(ink));

@@ -23,7 +23,7 @@ const TICK_GAP: f64 = 5.0;
 /// From the plot area to the base line of the label of the axis below [pixels].
 const BELOW: f64 = 67.0;
 /// From the plot area to the top of the label of the axis above [pixels].
-const ABOVE: f64 = 58.0;
+const ABOVE: f64 = 63.0;
 
 type Coordinates = Cartesian2d<WithKeyPoints<Axis>, WithKeyPoints<Axis>>;
 

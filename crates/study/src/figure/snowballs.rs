@@ -10,6 +10,7 @@ use super::splats::Splats;
 use super::style::{self, DUST, HEADING, Ink, LABEL, MUTED, TEXT, TICK};
 use super::text::{self, Face};
 use super::window::{in_fragments, inside, window, within};
+use plotters::chart::LabelAreaPosition;
 use plotters::element::{PathElement, Polygon, Rectangle};
 
 /// Particles at one time.
@@ -334,7 +335,8 @@ impl Layout {
         }
         let x = Axis { scale: Scale::Linear, low: -end, high: end };
         let y = Axis { scale: Scale::Linear, low: 0.0, high: 1.0 };
-        Panel::new(sheet, area, x, y)?.draw_x("")?;
+        let side = LabelAreaPosition::Bottom;
+        Panel::with_ticks(sheet, area, [x, y], x.ticks(11), side)?.draw_x("")?;
         let base = middle + 0.5 * text::CAP_HEIGHT * LABEL;
         sheet.text("ln J_{P}", [area.right + 34.0, base], LABEL, TEXT, Anchor::Start)?;
         let words = "compacted below 0, opened above";
