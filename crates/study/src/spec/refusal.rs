@@ -95,6 +95,9 @@ impl Search<'_> {
         while let Some(longer) = self.culprit_below::<S>(&path) {
             path = longer;
         }
+        if self.message == ONE_OF_SEVERAL {
+            path.pop();
+        }
         path
     }
 
