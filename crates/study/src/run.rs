@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use snowlab_solver::timestep::step_length;
 use snowlab_solver::{Real, Simulation};
 
 use crate::assemble::{Assembly, assemble, time_unit};
@@ -13,6 +14,9 @@ use crate::spec::{SceneSpec, SpecError};
 /// A scene that waits for a contact stops after so many time units without one (chosen: three times the flight of any
 /// scene of the studies).
 const LONGEST_FLIGHT: f64 = 20.0;
+
+/// A run of more steps is refused before it begins (chosen: steps of a single particle take days).
+const MOST_STEPS: f64 = 1e11;
 
 /// What a run gives.
 #[derive(Clone, Debug)]
@@ -67,6 +71,7 @@ fn run<T: Real, const D: usize>(
     let mut frames = Frames::new(&state);
     let mut simulation =
         Simulation::new(scene, state).map_err(|error| SpecError::value("scene", error.to_string()))?;
+    check_steps(step_length(simulation.scene(), simulation.state()), clock.end)?;
     let mut history = Vec::new();
     let outcome = loop {
         if clock.is_frame(simulation.state().time) {
@@ -87,6 +92,20 @@ fn run<T: Real, const D: usize>(
     };
     let record = RunRecord::of(&simulation, made, unit, history, outcome);
     Ok(Run { frames, record })
+}
+
+/// Refuses a run that no machine would end.
+fn check_steps(first: f64, end: f64) -> Result<(), SpecError> {
+    let steps = end / first;
+    // Written so that a step that is no number is refused as well.
+    if steps <= MOST_STEPS {
+        return Ok(());
+    }
+    let message = format!(
+        "takes {steps:.1e} steps of {first:.1e} s, the first one's length; allowed: {MOST_STEPS:e}; check spacing, \
+         velocity, stiffness and density"
+    );
+    Err(SpecError::value("`output.end`", message))
 }
 
 fn no_contact(clock: &FrameClock) -> Outcome {

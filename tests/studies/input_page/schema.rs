@@ -133,7 +133,7 @@ fn kinds_at<S: DeserializeOwned>(
         let said = verdict::<S>(&place_of_stranger, &kinds, Value::Integer(1));
         let mut keys = BTreeMap::new();
         for key in quoted(&said) {
-            let inner = [place.as_slice(), &[key.clone()]].concat();
+            let inner = [place.as_slice(), std::slice::from_ref(&key)].concat();
             keys.insert(key, shape_at::<S>(&inner, &kinds, above));
         }
         shapes.insert(kind, keys);

@@ -43,7 +43,7 @@ pub enum SpecError {
 impl SpecError {
     /// A value at `place` that means nothing.
     pub fn value(place: impl Into<String>, message: impl Into<String>) -> Self {
-        SpecError::Value { place: place.into(), message: message.into() }
+        SpecError::Value { place: brief(place.into()), message: brief(message.into()) }
     }
 
     /// The same error with `place` before its own place.
@@ -54,6 +54,17 @@ impl SpecError {
             }
             other => other,
         }
+    }
+}
+
+/// Characters of a place or a message that are shown (chosen: room for the keys of the largest table).
+const MOST_SHOWN: usize = 400;
+
+/// A text that a long value has not made unreadable.
+fn brief(text: String) -> String {
+    match text.char_indices().nth(MOST_SHOWN) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text,
     }
 }
 

@@ -7,6 +7,8 @@ use toml::Value;
 /// Documents are tried again with one value left out or put in; in all so many bytes at most are read so (chosen: a
 /// second), after which the place found is that of an enclosing table.
 const MOST_BYTES_TRIED: usize = 50 << 20;
+/// What the parser says of a table with two keys where one of several is meant.
+const ONE_OF_SEVERAL: &str = "wanted exactly 1 element, more than 1 element";
 /// The key that tells the variants of a table apart.
 const KIND: &str = "kind";
 
@@ -38,9 +40,21 @@ pub fn in_plain_words(message: &str) -> String {
     if let Some(key) = missing(message) {
         return format!("the key `{key}` is missing; add it");
     }
+    if message == ONE_OF_SEVERAL {
+        return "has several keys; give it one".into();
+    }
+    // Names of types follow.
+    let message = ["struct", "internally tagged enum"].iter().fold(message.to_string(), |text, what| {
+        match text.split_once(&format!("expected {what}")) {
+            Some((before, _)) => format!("{before}expected a table"),
+            None => text,
+        }
+    });
     let words = [
         ("unknown field", "unknown key"),
         ("unknown variant", "unknown name"),
+        ("unit variant, expected string only", "no name; expected a name in quotes"),
+        ("unit variant", "a name alone"),
         ("invalid type: ", "is "),
         ("invalid value: ", "is "),
         ("invalid length", "has length"),
@@ -49,12 +63,13 @@ pub fn in_plain_words(message: &str) -> String {
         ("expected u64", "expected a whole number, 0 or greater"),
         ("expected usize", "expected a whole number, 0 or greater"),
         ("expected a sequence", "expected a list in [ ]"),
+        ("expected a boolean", "expected true or false"),
         ("is sequence", "is a list"),
         ("is map", "is a table"),
         ("expected a map", "expected a table"),
         ("expected an array of length", "expected a list of length"),
     ];
-    words.iter().fold(message.to_string(), |text, (theirs, ours)| text.replace(theirs, ours))
+    words.iter().fold(message, |text, (theirs, ours)| text.replace(theirs, ours))
 }
 
 fn missing(message: &str) -> Option<&str> {
@@ -68,38 +83,43 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// What serde says of `document`; `None` once too much has been tried.
-    fn verdict<S: DeserializeOwned>(&mut self, document: Value) -> Option<String> {
+    /// `None` once too much has been tried.
+    fn spend(&mut self) -> Option<()> {
         self.tries = self.tries.checked_sub(1)?;
-        Some(document.try_into::<S>().err().map_or(String::new(), |error| error.message().to_string()))
+        Some(())
     }
 
     /// The innermost value without which the message is another one.
     fn culprit<S: DeserializeOwned>(&mut self) -> Vec<String> {
-        // A list of the wrong length changes with each of its values: the list is meant.
-        let values_too = !self.message.starts_with("invalid length");
         let mut path = Vec::new();
-        loop {
-            let here = at(&self.document, &path);
-            let mut keys = keys(here);
-            // Without its kind every table is refused: asked last.
-            keys.sort_by_key(|key| key == KIND);
-            let containers: Vec<bool> = keys.iter().map(|key| is_container(step(here, key))).collect();
-            let next = keys.into_iter().zip(containers).find_map(|(key, container)| {
-                if !values_too && !container {
-                    return None;
-                }
-                let candidate = [path.as_slice(), &[key]].concat();
-                let mut without = self.document.clone();
-                remove(&mut without, &candidate);
-                let changed = self.verdict::<S>(without)? != self.message;
-                changed.then_some(candidate)
-            });
-            match next {
-                Some(longer) => path = longer,
-                None => return path,
+        while let Some(longer) = self.culprit_below::<S>(&path) {
+            path = longer;
+        }
+        if self.message == ONE_OF_SEVERAL {
+            path.pop();
+        }
+        path
+    }
+
+    fn culprit_below<S: DeserializeOwned>(&mut self, path: &[String]) -> Option<Vec<String>> {
+        let here = at(&self.document, path);
+        let mut keys = keys(here);
+        if self.message.starts_with("invalid length") {
+            // A list of the wrong length changes with each of its values: the list is meant.
+            keys.retain(|key| is_container(step(here, key)));
+        }
+        // Without its kind every table is refused: asked last.
+        keys.sort_by_key(|key| key == KIND);
+        for key in keys {
+            self.spend()?;
+            let candidate = [path, &[key]].concat();
+            let mut without = self.document.clone();
+            remove(&mut without, &candidate);
+            if verdict::<S>(without) != self.message {
+                return Some(candidate);
             }
         }
+        None
     }
 
     /// The first table that lacks `key` and is not refused for its lack once it has it.
@@ -112,17 +132,24 @@ impl Search<'_> {
             if here.as_table().is_none_or(|table| table.contains_key(key)) {
                 continue;
             }
+            self.spend()?;
             let mut with = self.document.clone();
             if let Value::Table(table) = at_mut(&mut with, &path) {
                 table.insert(key.into(), Value::Boolean(false));
             }
-            let verdict = self.verdict::<S>(with)?;
-            if verdict != self.message && !verdict.starts_with("unknown field") {
+            let verdict = verdict::<S>(with);
+            let elsewhere = verdict.starts_with("unknown field") || verdict == ONE_OF_SEVERAL;
+            if verdict != self.message && !elsewhere {
                 return Some(path);
             }
         }
         None
     }
+}
+
+/// What serde says of `document`.
+fn verdict<S: DeserializeOwned>(document: Value) -> String {
+    document.try_into::<S>().err().map_or(String::new(), |error| error.message().to_string())
 }
 
 fn is_container(value: &Value) -> bool {

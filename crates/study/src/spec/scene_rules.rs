@@ -3,13 +3,15 @@
 use snowlab_sampler::MOST_PARTICLES;
 use toml::Value;
 
-use super::range::{FINITE, NOT_NEGATIVE, POSITIVE, Range, at_least, within};
+use super::range::{NOT_NEGATIVE, POSITIVE, Range, at_least, within};
 use super::scene::{BodySpec, EndFrom, MaterialSpec, OutputSpec, PlacementSpec, SolidSpec, TimeUnit};
 use super::{SceneSpec, Spec, SpecError};
 
 /// Lengths up to 1e6 m, as the sampler takes them.
 const LENGTH: Range = within(0.0, 1e6).open_below();
 const COORDINATE: Range = within(-1e6, 1e6);
+/// Speeds, spins and gravity (chosen: far beyond any impact, and their squares are far from overflow).
+const MOTION: Range = within(-1e6, 1e6);
 const DEGREES: Range = within(-360.0, 360.0);
 /// Bodies of a scene: particles tell theirs by 16 bits.
 const MOST_BODIES: usize = 65_535;
@@ -56,7 +58,7 @@ const fn maybe_vector(key: &'static str, range: Range) -> Rule {
 /// has one; else finite numbers of the sign that means something.
 pub const RULES: &[Rule] = &[
     one("seed", NOT_NEGATIVE),
-    maybe_vector("gravity", FINITE),
+    maybe_vector("gravity", MOTION),
     one("numerics.spacing", LENGTH),
     one("numerics.flip_share", within(0.0, 1.0)),
     one("numerics.flip_reference_step", POSITIVE),
@@ -88,8 +90,8 @@ pub const RULES: &[Rule] = &[
     one("body.*.material.critical_compression", within(0.0, 1.0).open_below().open_above()),
     one("body.*.material.critical_stretch", POSITIVE),
     one("body.*.material.hardening", within(0.0, 100.0)),
-    maybe_vector("body.*.velocity", FINITE),
-    Rule { key: "body.*.spin", length: Length::MaybeSpin, range: FINITE },
+    maybe_vector("body.*.velocity", MOTION),
+    Rule { key: "body.*.spin", length: Length::MaybeSpin, range: MOTION },
     one("body.*.phase_shift", within(0.0, 1e6)),
     one("body.*.stiffness_scale", POSITIVE),
     vector("collider.*.shape.point", COORDINATE),
@@ -99,7 +101,7 @@ pub const RULES: &[Rule] = &[
     vector("collider.*.shape.half_extent", LENGTH),
     one("collider.*.shape.angle", DEGREES),
     one("collider.*.friction", NOT_NEGATIVE),
-    maybe_vector("collider.*.velocity", FINITE),
+    maybe_vector("collider.*.velocity", MOTION),
     one("output.frame_interval", POSITIVE),
     one("output.end", POSITIVE),
 ];

@@ -92,7 +92,10 @@ impl StudySpec {
             let place = |key: &str| format!("`sweep.{number}.{key}`");
             check_name(&place("name"), &axis.name)?;
             if !names.insert(&axis.name) {
-                let message = format!("is \"{}\", which a column of the tables has already", axis.name);
+                let message = format!(
+                    "is \"{}\", which a column of the tables has already; give it another name",
+                    axis.name
+                );
                 return refuse(place("name"), message);
             }
             if !paths.insert(&axis.path) {

@@ -1,0 +1,312 @@
+//! Studies.
+
+use snowlab_study::check::check;
+use snowlab_study::spec::{self, StudySpec};
+use snowlab_study::sweep::Study;
+
+use super::{Refused, STUDY, hold, hold_message, refused, study};
+
+const NAME: &str = "1 to 64 of the characters";
+const ARMS: &str = "the study has: one, two";
+const END: &str = "[[arm]]\nid = \"two\"\n";
+
+const TABLE: &[Refused] = &[
+    // Names, some of which become files and folders.
+    refused("\"tiny\"", "\"a/b\"", &["`name`", "\"a/b\"", NAME]),
+    refused("\"tiny\"", "\"..\"", &["`name`", "\"..\"", "no dot first"]),
+    refused("\"tiny\"", "\"\"", &["`name`", NAME]),
+    refused("\"tiny\"", "\"Tiny\"", &["`name`", "\"Tiny\"", NAME]),
+    refused(
+        "\"tiny\"",
+        "\"aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa\"",
+        &["`name`", NAME],
+    ),
+    refused("\"two\"", "\"two/..\"", &["`arm.1.id`", "\"two/..\"", NAME]),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\npicture = \"../figure\"\n",
+        &["`arm.1.picture`", "\"../figure\"", NAME],
+    ),
+    // Keys.
+    refused(
+        "question =",
+        "questions = \"?\"\nquestion =",
+        &["line 3", "`questions`", "unknown key", "`question`"],
+    ),
+    refused("name = \"tiny\"", "", &["`name` is missing"]),
+    refused("count = 2\n", "count = 2.5\n", &["`blocks.count`", "2.5", "a whole number"]),
+    refused("count = 2\n", "", &["`blocks`", "`count` is missing"]),
+    refused("largest_spacing = 0.05", "", &["`measure`", "`largest_spacing` is missing"]),
+    // Arms.
+    refused("\"two\"", "\"one\"", &["`arm.1.id`", "\"one\"", "stands twice", "its own id"]),
+    refused("[[arm]]\nid = \"one\"\n[[arm]]\nid = \"two\"\n", "[profile]\n", &["`arm` is missing"]),
+    // The scene, as each arm has it.
+    refused("spacing = 0.05\n[[scene", "[[scene", &["arm `one`", "`numerics`", "`spacing` is missing"]),
+    refused("radius = 0.25", "radius = -1.0", &["arm `one`", "`body.0.region.radius`", "is -1.0", "above 0"]),
+    refused(
+        "radius = 0.25",
+        "radius = \"big\"",
+        &["arm `one`", "`body.0.region.radius`", "\"big\"", "a number"],
+    ),
+    refused(
+        "radius = 0.25",
+        "radius = 0.25, wobble = 1",
+        &["arm `one`", "`body.0.region.wobble`", "unknown key"],
+    ),
+    refused(
+        "[scene.numerics]",
+        "[scene]\nseed = 5\n[scene.numerics]",
+        &["`scene.seed`", "number of the block", "`blocks.first`"],
+    ),
+    // Paths that lead nowhere.
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\nset = { \"numerics.spacin\" = 0.1 }\n",
+        &["arm `two`", "`numerics.spacin`", "unknown key"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\nset = { \"body.3.velocity\" = [0.0, 1.0] }\n",
+        &["arm `two`", "`body.3.velocity`", "1 entries"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\nset = { \"body.first.velocity\" = [0.0, 1.0] }\n",
+        &["arm `two`", "`first`", "must be a number"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\nset = { \"numerics.spacing.x\" = 0.1 }\n",
+        &["arm `two`", "`numerics.spacing`", "single value"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\nset = { \"body..x\" = 0.1 }\n",
+        &["arm `two`", "`body..x`", "empty part"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\nset = { \"numerics.spacing\" = \"fine\" }\n",
+        &["arm `two`", "`numerics.spacing`", "\"fine\"", "a number"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\nset = { \"body.0.material\" = { kind = \"snow\", poisson = 0.5 } }\n",
+        &["arm `two`", "`body.0.material.poisson`", "is 0.5", "below 0.5"],
+    ),
+    refused(END, "[[arm]]\nid = \"two\"\nset = { seed = 4 }\n", &["`arm.1.set`", "`seed`", "`blocks.first`"]),
+    // Sweeps.
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"h\"\npath = \"numerics.spacing\"\nvalues = []\n",
+        &["`sweep.0.values`", "is empty", "one value or more"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"h\"\npath = \"numerics.spacing\"\nvalues = [0.1]\nnumbers = [1.0, 2.0]\n",
+        &["`sweep.0.numbers`", "2 entries", "1 values"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"h\"\npath = \"numerics.spacing\"\nvalues = [0.1]\nnumbers = [nan]\n",
+        &["`sweep.0.numbers`", "NaN", "finite"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"kernel\"\npath = \"numerics.kernel\"\nvalues = [\"cubic\"]\n",
+        &["`sweep.0.values`", "not numbers", "give `numbers`"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"porosity\"\npath = \"body.0.phase_shift\"\nvalues = [0.1]\n",
+        &["`sweep.0.name`", "\"porosity\"", "another name"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"a b\"\npath = \"body.0.phase_shift\"\nvalues = [0.1]\n",
+        &["`sweep.0.name`", "\"a b\"", NAME],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"a\"\npath = \"body.0.phase_shift\"\nvalues = [0.1]\n[[sweep]]\nname = \"a\"\npath = \"body.0.stiffness_scale\"\nvalues = [0.1]\n",
+        &["`sweep.1.name`", "\"a\""],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"a\"\npath = \"body.0.phase_shift\"\nvalues = [0.1]\n[[sweep]]\nname = \"b\"\npath = \"body.0.phase_shift\"\nvalues = [0.1]\n",
+        &["`sweep.1.path`", "\"body.0.phase_shift\"", "another axis"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"a\"\npath = \"seed\"\nvalues = [1, 2]\n",
+        &["`sweep.0.path`", "`seed`", "`blocks.first`"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"h\"\npath = \"numerics.spacing\"\nvalues = [0.1, -0.1]\n",
+        &["arm `one`", "`numerics.spacing`", "is -0.1"],
+    ),
+    // Too much.
+    refused("count = 2\n", "count = 1000000000\n", &["2000000000 cases", "1000000", "fewer"]),
+    // Claims and what they need.
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { paired = { treated = \"one\", control = \"three\" } }\n",
+        &["`claim.0.contrast`", "\"three\"", ARMS],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[control]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { paired = { treated = \"one\", control = \"one\" } }\n",
+        &["`control.0.contrast`", "each named once"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { range = { arms = [\"one\"] } }\n",
+        &["`claim.0.contrast`", "two or more arms"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { trend = { arms = [{ arm = \"one\", particles = 5 }, { arm = \"two\", particles = 5 }] } }\n",
+        &["`claim.0.contrast`", "[5.0, 5.0]", "two of them different"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { weighted = { weights = { one = 1.0, two = 1.0 } } }\n",
+        &["`claim.0.contrast`", "sum to 2", "cancel"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { pared = { treated = \"one\", control = \"two\" } }\n",
+        &["`claim.0.contrast.pared`", "unknown name", "`paired`"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { paired = 1 }\n",
+        &["`claim.0.contrast.paired`", "`1`", "expected a table"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { paired = { treated = \"one\", control = \"two\" }, range = { arms = [] } }\n",
+        &["`claim.0.contrast`", "several keys", "give it one"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = \"paired\"\n",
+        &["`claim.0.contrast`"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { paired = { treated = \"one\" } }\n",
+        &["`claim.0.contrast.paired`", "`control` is missing"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"h\"\npath = \"numerics.spacing\"\nvalues = [0.1, 0.2]\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { range = { arms = [\"one\", \"two\"] } }\n",
+        &["`claim.0.contrast`", "sweep", "leave out"],
+    ),
+    refused("name =", "noise_floor = [\"elastic\"]\nname =", &["`noise_floor`", "\"elastic\"", ARMS]),
+    // Expectations.
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[expect]]\nmetric = \"damage\"\nrange = [1.0, 0.0]\nwhy = \"w\"\n",
+        &["`expect.0.range`", "[1.0, 0.0]", "least first"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[expect]]\nmetric = \"damage\"\nrange = [nan, 0.0]\nwhy = \"w\"\n",
+        &["`expect.0.range`", "NaN", "least first"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[expect]]\nmetric = \"damage\"\nrange = [0.0]\nwhy = \"w\"\n",
+        &["`expect.0.range`", "length 1", "length 2"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[expect]]\nmetric = \"damage\"\narms = [\"three\"]\nrange = [0.0, 1.0]\nwhy = \"w\"\n",
+        &["`expect.0.arms`", "\"three\"", ARMS],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[expect]]\nmetric = \"damage\"\nprofiles = [\"fast\"]\nrange = [0.0, 1.0]\nwhy = \"w\"\n",
+        &["`expect.0.profiles`", "\"fast\"", "the study has: default"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[expect]]\nmetric = \"damage\"\nstatistic = \"mode\"\nrange = [0.0, 1.0]\nwhy = \"w\"\n",
+        &["`expect.0.statistic`", "`mode`", "`each`, `mean`, `median`"],
+    ),
+    // Profiles, whether they are chosen or not.
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[profile.quick]\narms = [\"three\"]\n",
+        &["`profile.quick.arms`", "\"three\"", ARMS],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[profile.quick]\narms = []\n",
+        &["`profile.quick.arms`", "is empty"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[profile.quick.arm_set.three]\n\"numerics.spacing\" = 0.1\n",
+        &["`profile.quick.arm_set`", "\"three\"", ARMS],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[profile.quick.set]\nseed = 1\n",
+        &["`profile.quick.set`", "`seed`", "`blocks.first`"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[profile.quick]\nblock = 1\n",
+        &["`profile.quick.block`", "unknown key", "`blocks`"],
+    ),
+];
+
+#[test]
+fn studies_are_refused_with_place_value_and_remedy() {
+    hold(STUDY, study, TABLE);
+}
+
+#[test]
+fn a_profile_that_is_not_there_is_named_with_those_that_are() {
+    let spec: StudySpec = spec::parse(&format!("{STUDY}[profile.quick]\n[profile.slow]\n")).unwrap();
+    let message = Study::expand(spec, Some("fast")).unwrap_err().to_string();
+    hold_message(&message, "fast", &["profile `fast`", "quick, slow"]);
+}
+
+/// A thousand million cases, by three axes of a thousand values: refused before any is made.
+#[test]
+fn too_many_cases_are_counted_and_not_made() {
+    let values: Vec<String> = (1..=1000).map(|k| format!("{k}.0")).collect();
+    let axis = |name: &str, path: &str| {
+        format!("[[sweep]]\nname = \"{name}\"\npath = \"{path}\"\nvalues = [{}]\n", values.join(", "))
+    };
+    let axes = [
+        axis("a", "body.0.stiffness_scale"),
+        axis("b", "body.0.material.young"),
+        axis("c", "numerics.greatest_step"),
+    ];
+    let message = study(&format!("{STUDY}{}", axes.concat())).unwrap_err().to_string();
+    hold_message(
+        &message,
+        "10^9 points",
+        &["4000000000 cases", "1000000000 points", "make the sweep or the blocks fewer"],
+    );
+}
+
+#[test]
+fn a_path_without_end_is_refused() {
+    let path = vec!["a"; 100_000].join(".");
+    let message = study(&format!("{STUDY}set = {{ \"{path}\" = 1 }}\n")).unwrap_err().to_string();
+    hold_message(&message, "a long path", &["arm `two`, path `a.a.a", "more than 32 parts"]);
+}
+
+/// A metric can be known to be none only once there are results, of which there are none here: nothing to refuse.
+#[test]
+fn expectations_are_asked_of_results() {
+    let text = format!("{STUDY}[[expect]]\nmetric = \"damages\"\nrange = [0.0, 1.0]\nwhy = \"w\"\n");
+    let study = Study::expand(spec::parse(&text).unwrap(), None).unwrap();
+    assert_eq!(check(&study, &[]).unwrap(), []);
+}

@@ -1,0 +1,78 @@
+//! 0 done, 1 an expectation failed, 2 usage or bad input, 3 cases failed.
+
+use super::{ARMS, Desk, SCENE, STOPPING_ARM, study};
+
+#[test]
+fn zero_where_all_is_done_and_as_expected() {
+    let desk = Desk::with(&[("study.toml", &study(ARMS))]);
+    desk.expect(0, "run study.toml --jobs 2");
+    let printed = desk.expect(0, "check study.toml");
+    assert!(printed.contains("tiny: 3 expectations, 0 failed"), "{printed}");
+    desk.expect(0, "--help");
+}
+
+#[test]
+fn one_where_a_range_is_left() {
+    let text = study(ARMS).replace("range = [300.0, 300.0]", "range = [301.0, 400.0]");
+    let desk = Desk::with(&[("study.toml", &text)]);
+    desk.expect(0, "run study.toml --jobs 2");
+    let printed = desk.expect(1, "check study.toml");
+    assert!(printed.contains("tiny: 3 expectations, 3 failed"), "{printed}");
+    assert!(
+        printed.contains("FAILED  random: each `particles` in [301, 400]: 300.0000, 300.0000"),
+        "{printed}"
+    );
+}
+
+#[test]
+fn one_where_a_case_has_stopped() {
+    let desk = Desk::with(&[("study.toml", &study(STOPPING_ARM))]);
+    desk.expect(0, "run study.toml --jobs 2");
+    let printed = desk.expect(1, "check study.toml");
+    assert!(printed.contains("FAILED  leaping block 1: particle"), "{printed}");
+}
+
+#[test]
+fn two_where_the_input_is_bad() {
+    let wrong_metric = study(ARMS).replace("\"particles\"", "\"partikels\"");
+    let bad = SCENE.replace("radius = 0.25", "radius = -0.25");
+    let files = [("study.toml", wrong_metric.as_str()), ("scene.toml", SCENE), ("bad.toml", &bad)];
+    let desk = Desk::with(&files);
+    for (line, says) in [
+        ("run", "required arguments"),
+        ("run nowhere.toml", "nowhere.toml: cannot be read"),
+        ("run study.toml --profile fast", "study.toml: profile `fast`"),
+        ("run scene.toml", "scene.toml: line 4, `body`: unknown key"),
+        ("simulate study.toml --out x", "`arm`: unknown key"),
+        ("simulate bad.toml --out x", "bad.toml: `body.0.region.radius`: is -0.25"),
+        ("sample bad.toml -o x.csv", "bad.toml: `body.0.region.radius`: is -0.25"),
+        ("sample scene.toml -o points.xyz", "use .csv or .ply"),
+        ("fragments nowhere.csv --link 0.1", "nowhere.csv"),
+        ("report study.toml", "nothing has been run"),
+        ("check study.toml", "has not been run"),
+    ] {
+        let printed = desk.expect(2, line);
+        assert!(printed.contains(says), "snowlab {line}\n{printed}");
+    }
+    desk.expect(0, "run study.toml --jobs 2");
+    let printed = desk.expect(2, "check study.toml");
+    assert!(printed.contains("metric `partikels`: is not a column of `cases`"), "{printed}");
+}
+
+/// Voids that find no room: the case cannot be built, and the others run all the same.
+#[test]
+fn three_where_cases_cannot_be_built() {
+    let crowded = "[[arm]]\nid = \"crowded\"\nset = { \"body.0.voids\" = { kind = \"circles\", porosity = 0.6, mean_radius = 0.1 } }\n";
+    let desk = Desk::with(&[("study.toml", &study(&[crowded, ARMS].concat()))]);
+    let printed = desk.expect(3, "run study.toml --jobs 2");
+    assert!(printed.contains("failed: crowded block 1: `body.0`: no void field"), "{printed}");
+    assert_eq!(super::rows(&desk.read("results/tiny/cases.csv")).len(), 6);
+}
+
+#[test]
+fn three_where_a_scene_stops() {
+    let text = SCENE.replace("spacing = 0.05", "spacing = 0.05\nfixed_step = 0.02");
+    let desk = Desk::with(&[("scene.toml", &text)]);
+    let printed = desk.expect(3, "simulate scene.toml --out frames");
+    assert!(printed.contains("stopped(step-rejected)") && printed.contains("cells in one step"), "{printed}");
+}
