@@ -1,7 +1,8 @@
 //! A sparse background grid: blocks of 4^D nodes, only where a particle's stencil reaches.
 //!
 //! Nodes lie at integer multiples of the spacing, relative to the state's origin. A particle belongs to the block of the
-//! first node of its stencil and reaches at most into the blocks one further on each axis.
+//! first node of its stencil and reaches at most into the blocks one further on each axis. Blocks that follow one another along the last
+//! axis are stored as one strip, row by row, so that the nodes of a stencil's row are neighbours in storage.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -14,11 +15,12 @@ use crate::real::Real;
 pub const BLOCK_EDGE: usize = 4;
 pub(crate) const EDGE_BITS: u32 = BLOCK_EDGE.trailing_zeros();
 const ABSENT: u32 = u32::MAX;
-/// 2^3: a block and its successors along each set of axes.
-const MAX_SUCCESSORS: usize = 8;
+/// 2^2: the strip of a block and the strips one further along each set of the axes but the last.
+const MAX_STRIPS: usize = 4;
 
 /// What particles add up on a node.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(16))]
 pub struct NodeSums<T: Real, const D: usize> {
     /// sum w m [kg].
     pub mass: T,
@@ -51,55 +53,41 @@ impl<T: Real, const D: usize> NodeMotion<T, D> {
     }
 }
 
+/// Where a block is stored.
+#[derive(Clone, Copy, Debug, Default)]
+struct BlockPlace {
+    /// Storage index of its first node.
+    first: u32,
+    /// Distance in storage of nodes that are neighbours on the last axis but one: the length of the strip.
+    row: u32,
+}
+
 /// The place of a stencil in the grid's storage.
 #[derive(Clone, Copy, Debug)]
 pub struct Anchor<const D: usize> {
-    /// Storage index of the first node of the block and of its successors, by the bits of the axes gone over.
-    starts: [u32; MAX_SUCCESSORS],
+    /// The block and its successors on the axes but the last, by the bits of the axes gone over.
+    blocks: [BlockPlace; MAX_STRIPS],
     /// The stencil's first node within its block.
     local: [usize; D],
 }
 
 impl<const D: usize> Anchor<D> {
-    /// Storage indices of a row's node 0 before and after the block's end on the last axis: node `k` of the row is
-    /// `before + k` while `local + k < BLOCK_EDGE`, else `after + k`.
+    /// Storage index of node 0 of the row at `offset`; the row's other nodes follow it.
     #[inline(always)]
-    pub fn row(&self, offset: &[usize; D]) -> RowPlace {
+    pub fn row(&self, offset: &[usize; D]) -> usize {
         let mut bits = 0;
-        let mut node = 0;
+        let mut row = 0;
         for k in 0..D - 1 {
             let n = self.local[k] + offset[k];
             bits = (bits << 1) | (n >> EDGE_BITS);
-            node = (node << EDGE_BITS) | (n & (BLOCK_EDGE - 1));
+            row = (row << EDGE_BITS) | (n & (BLOCK_EDGE - 1));
         }
-        let (bits, node) = (bits << 1, node << EDGE_BITS);
-        let last = self.local[D - 1];
-        RowPlace {
-            before: self.starts[bits] as usize + node + last,
-            after: (self.starts[bits | 1] as usize + node + last).wrapping_sub(BLOCK_EDGE),
-            inside: BLOCK_EDGE - last,
-        }
+        let block = self.blocks[bits];
+        block.first as usize + row * block.row as usize + self.local[D - 1]
     }
 }
 
-/// Where the nodes of one row are stored.
-#[derive(Clone, Copy, Debug)]
-pub struct RowPlace {
-    before: usize,
-    after: usize,
-    inside: usize,
-}
-
-impl RowPlace {
-    /// Storage index of node `k` of the row.
-    #[inline(always)]
-    pub fn node(&self, k: usize) -> usize {
-        if k < self.inside { self.before + k } else { self.after.wrapping_add(k) }
-    }
-}
-
-/// The grid of one step. Nodes are addressed by their storage index; blocks are stored in the order in which particles first
-/// touched them, which depends on nothing but the particles' order.
+/// The grid of one step. Nodes are addressed by their storage index; strips are stored in the order of their coordinates.
 #[derive(Clone, Debug, Default)]
 pub struct Grid<T: Real, const D: usize> {
     /// Distance of nodes [m].
@@ -108,9 +96,15 @@ pub struct Grid<T: Real, const D: usize> {
     pub sums: Vec<NodeSums<T, D>>,
     /// Motion for particles, per node.
     pub motion: Vec<NodeMotion<T, D>>,
+    /// In the order in which particles first touched them; those in which stencils begin come before their successors.
     blocks: Vec<[i32; D]>,
     directory: Directory<D>,
-    starts: Vec<[u32; MAX_SUCCESSORS]>,
+    /// Per block.
+    places: Vec<BlockPlace>,
+    /// Per block in which stencils begin.
+    neighbours: Vec<[BlockPlace; MAX_STRIPS]>,
+    /// Coordinates of every fourth node in store; the next three follow it on the last axis.
+    coordinates: Vec<[i32; D]>,
     /// Per particle: its block, and the first node of its stencil within it.
     homes: Vec<(u32, [u8; D])>,
 }
@@ -126,7 +120,9 @@ impl<T: Real, const D: usize> Grid<T, D> {
             motion: Vec::new(),
             blocks: Vec::new(),
             directory: Directory::default(),
-            starts: Vec::new(),
+            places: Vec::new(),
+            neighbours: Vec::new(),
+            coordinates: Vec::new(),
             homes: Vec::new(),
         }
     }
@@ -150,7 +146,10 @@ impl<T: Real, const D: usize> Grid<T, D> {
             let local = node.map(|n| (n & (BLOCK_EDGE as i32 - 1)) as u8);
             self.homes.push((latest.1, local));
         }
-        self.link_successors();
+        let homes = self.blocks.len();
+        self.touch_successors(homes);
+        self.place_blocks();
+        self.link_successors(homes);
         let nodes = self.blocks.len() * Self::block_nodes();
         self.sums.clear();
         self.sums.resize(nodes, NodeSums::empty());
@@ -164,27 +163,63 @@ impl<T: Real, const D: usize> Grid<T, D> {
         })
     }
 
-    /// For every block in which a stencil begins, the storage of the blocks one further on each set of axes.
-    fn link_successors(&mut self) {
-        self.starts.clear();
-        for home in 0..self.blocks.len() {
-            let mut starts = [ABSENT; MAX_SUCCESSORS];
-            for (bits, start) in starts.iter_mut().enumerate().take(1 << D) {
-                let mut block = self.blocks[home];
-                for (axis, coordinate) in block.iter_mut().enumerate() {
-                    *coordinate += (bits >> (D - 1 - axis) & 1) as i32;
-                }
-                *start = self.touch(block) * Self::block_nodes() as u32;
+    /// Adds the blocks one further on each set of axes than the first `homes`.
+    fn touch_successors(&mut self, homes: usize) {
+        for home in 0..homes {
+            for bits in 1..1 << D {
+                self.touch(successor(self.blocks[home], bits));
             }
-            self.starts.push(starts);
         }
+    }
+
+    /// Gives every block its place: strips of blocks in the order of their coordinates.
+    fn place_blocks(&mut self) {
+        let blocks = &self.blocks;
+        let mut order: Vec<u32> = (0..blocks.len() as u32).collect();
+        order.sort_unstable_by_key(|&b| blocks[b as usize]);
+        self.places.resize(blocks.len(), BlockPlace::default());
+        self.coordinates.clear();
+        let follows = |a: &u32, b: &u32| successor(blocks[*a as usize], 1) == blocks[*b as usize];
+        for strip in order.chunk_by(follows) {
+            let row = strip.len() * BLOCK_EDGE;
+            let first = self.coordinates.len() * BLOCK_EDGE;
+            for (number, &block) in strip.iter().enumerate() {
+                let first = first + number * BLOCK_EDGE;
+                self.places[block as usize] = BlockPlace { first: first as u32, row: row as u32 };
+            }
+            for local in (0..Self::block_nodes()).step_by(BLOCK_EDGE) {
+                let rows = strip.iter().map(|&b| Self::node_of(blocks[b as usize], local));
+                self.coordinates.extend(rows);
+            }
+        }
+    }
+
+    /// For every block in which a stencil begins, the places of the blocks one further on each set of axes but the last.
+    fn link_successors(&mut self, homes: usize) {
+        self.neighbours.clear();
+        for home in 0..homes {
+            let mut places = [BlockPlace::default(); MAX_STRIPS];
+            for (bits, place) in places.iter_mut().enumerate().take(1 << (D - 1)) {
+                *place = self.places[self.directory[&successor(self.blocks[home], bits << 1)] as usize];
+            }
+            self.neighbours.push(places);
+        }
+    }
+
+    /// Coordinates of node `local` of a block, counted with the last axis fastest.
+    fn node_of(block: [i32; D], local: usize) -> [i32; D] {
+        let mut node = block.map(|n| n << EDGE_BITS);
+        for axis in 0..D {
+            node[axis] += (local >> (EDGE_BITS as usize * (D - 1 - axis)) & (BLOCK_EDGE - 1)) as i32;
+        }
+        node
     }
 
     /// The place of particle `p`'s stencil.
     #[inline(always)]
     pub fn anchor(&self, p: usize) -> Anchor<D> {
         let (block, local) = self.homes[p];
-        Anchor { starts: self.starts[block as usize], local: local.map(usize::from) }
+        Anchor { blocks: self.neighbours[block as usize], local: local.map(usize::from) }
     }
 
     /// The number of nodes stored.
@@ -195,13 +230,8 @@ impl<T: Real, const D: usize> Grid<T, D> {
     /// Integer coordinates of the node stored at `index`.
     #[inline]
     pub fn coordinates(&self, index: usize) -> [i32; D] {
-        let block = self.blocks[index / Self::block_nodes()];
-        let mut rest = index % Self::block_nodes();
-        let mut node = [0; D];
-        for axis in (0..D).rev() {
-            node[axis] = block[axis] * BLOCK_EDGE as i32 + (rest % BLOCK_EDGE) as i32;
-            rest /= BLOCK_EDGE;
-        }
+        let mut node = self.coordinates[index / BLOCK_EDGE];
+        node[D - 1] += (index % BLOCK_EDGE) as i32;
         node
     }
 
@@ -214,11 +244,20 @@ impl<T: Real, const D: usize> Grid<T, D> {
 
     /// Storage index of the node at integer `coordinates`, where it is stored.
     pub fn find(&self, coordinates: [i32; D]) -> Option<usize> {
-        let block = self.directory.get(&coordinates.map(|n| n >> EDGE_BITS))?;
-        let local =
-            coordinates.iter().fold(0, |l, n| l * BLOCK_EDGE + (n & (BLOCK_EDGE as i32 - 1)) as usize);
-        Some(*block as usize * Self::block_nodes() + local)
+        let block = *self.directory.get(&coordinates.map(|n| n >> EDGE_BITS))?;
+        let place = self.places[block as usize];
+        let local = coordinates.map(|n| (n & (BLOCK_EDGE as i32 - 1)) as usize);
+        let row = local[..D - 1].iter().fold(0, |row, n| row * BLOCK_EDGE + n);
+        Some(place.first as usize + row * place.row as usize + local[D - 1])
     }
+}
+
+/// The block one further on the axes of the set bits; bit 0 is the last axis.
+fn successor<const D: usize>(mut block: [i32; D], bits: usize) -> [i32; D] {
+    for (axis, coordinate) in block.iter_mut().enumerate() {
+        *coordinate += (bits >> (D - 1 - axis) & 1) as i32;
+    }
+    block
 }
 
 /// Mixes integer coordinates by multiplication with 2^64 / golden ratio (Knuth, TAOCP 3, section 6.4). The directory is

@@ -34,10 +34,20 @@ pub struct Row<T: Real, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Stencil<T, D> {
-    /// Weights and gradients of `kernel` at `x` [m], on a grid with nodes at the multiples of `spacing`. `MOVING_LEAST_SQUARES`
+    /// Weights, gradients and moments of `K` at `x` [m], on a grid with nodes at the multiples of `spacing`. `MOVING_LEAST_SQUARES`
     /// takes the gradients of Hu et al. 2018 instead of the kernel's own.
     #[inline(always)]
     pub fn at<K: Kernel, const MOVING_LEAST_SQUARES: bool>(
+        x: &Vector<T, D>,
+        spacing: T,
+        per_spacing: T,
+    ) -> Self {
+        Self::with::<K, true, MOVING_LEAST_SQUARES>(x, spacing, per_spacing)
+    }
+
+    /// As [`Stencil::at`]; without `MOMENTS` they stay zero, for a transfer that does not read them.
+    #[inline(always)]
+    pub(crate) fn with<K: Kernel, const MOMENTS: bool, const MOVING_LEAST_SQUARES: bool>(
         x: &Vector<T, D>,
         spacing: T,
         per_spacing: T,
@@ -55,8 +65,10 @@ impl<T: Real, const D: usize> Stencil<T, D> {
             s.first[axis] = first;
             s.weight[axis] = weight;
             for k in 0..K::SUPPORT {
-                let arm = (T::of_index(first + k as i32) - scaled) * spacing;
-                s.moment[axis][k] = weight[k] * arm;
+                if MOMENTS {
+                    let arm = (T::of_index(first + k as i32) - scaled) * spacing;
+                    s.moment[axis][k] = weight[k] * arm;
+                }
                 s.slope[axis][k] = if MOVING_LEAST_SQUARES {
                     inverse_inertia * s.moment[axis][k]
                 } else {

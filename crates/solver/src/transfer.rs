@@ -93,7 +93,7 @@ fn scatter<T: Real, K: Kernel, const D: usize, const AFFINE: bool, const MLS: bo
 ) {
     let per_spacing = T::one() / grid.spacing;
     for p in 0..motion.len() {
-        let stencil = Stencil::<T, D>::at::<K, MLS>(&motion.position[p], grid.spacing, per_spacing);
+        let stencil = Stencil::<T, D>::with::<K, AFFINE, MLS>(&motion.position[p], grid.spacing, per_spacing);
         let anchor: Anchor<D> = grid.anchor(p);
         let mass = constants.mass[p];
         let momentum = motion.velocity[p] * mass;
@@ -101,7 +101,8 @@ fn scatter<T: Real, K: Kernel, const D: usize, const AFFINE: bool, const MLS: bo
         let traction = -stress[p];
         for index in 0..Stencil::<T, D>::rows::<K>() {
             let row = stencil.row::<K>(index);
-            let place = anchor.row(&row.offset);
+            let first = anchor.row(&row.offset);
+            let nodes = &mut grid.sums[first..first + K::SUPPORT];
             let row_mass = mass * row.weight;
             let mut row_momentum = momentum * row.weight;
             let mut row_force = traction.column(0) * row.gradient[0];
@@ -117,7 +118,7 @@ fn scatter<T: Real, K: Kernel, const D: usize, const AFFINE: bool, const MLS: bo
             let row_spin = spin.column(D - 1) * row.weight;
             for k in 0..K::SUPPORT {
                 let (weight, slope) = (stencil.weight[D - 1][k], stencil.slope[D - 1][k]);
-                let node = &mut grid.sums[place.node(k)];
+                let node = &mut nodes[k];
                 node.mass += row_mass * weight;
                 node.momentum += row_momentum * weight;
                 if AFFINE {
@@ -151,7 +152,7 @@ fn gather<T: Real, K: Kernel, const D: usize, const AFFINE: bool, const MLS: boo
     let per_spacing = T::one() / grid.spacing;
     let inverse_inertia = T::of(K::INVERSE_INERTIA) * per_spacing * per_spacing;
     for p in 0..motion.len() {
-        let stencil = Stencil::<T, D>::at::<K, MLS>(&motion.position[p], grid.spacing, per_spacing);
+        let stencil = Stencil::<T, D>::with::<K, AFFINE, MLS>(&motion.position[p], grid.spacing, per_spacing);
         let anchor: Anchor<D> = grid.anchor(p);
         let mut velocity = Vector::<T, D>::zeros();
         let mut change = Vector::<T, D>::zeros();
@@ -159,13 +160,14 @@ fn gather<T: Real, K: Kernel, const D: usize, const AFFINE: bool, const MLS: boo
         let mut moment = Matrix::<T, D>::zeros();
         for index in 0..Stencil::<T, D>::rows::<K>() {
             let row = stencil.row::<K>(index);
-            let place = anchor.row(&row.offset);
+            let first = anchor.row(&row.offset);
+            let nodes = &grid.motion[first..first + K::SUPPORT];
             let mut row_velocity = Vector::<T, D>::zeros();
             let mut row_change = Vector::<T, D>::zeros();
             let mut row_slope = Vector::<T, D>::zeros();
             let mut row_moment = Vector::<T, D>::zeros();
             for k in 0..K::SUPPORT {
-                let node = &grid.motion[place.node(k)];
+                let node = &nodes[k];
                 row_velocity += node.velocity * stencil.weight[D - 1][k];
                 row_slope += node.velocity * stencil.slope[D - 1][k];
                 if AFFINE {
