@@ -20,7 +20,7 @@ pub trait Real: RealField + Copy {
     fn as_f64(self) -> f64;
     /// e to the power of `self`.
     fn exponential(self) -> Self;
-    /// The greatest integer not above `self`; saturates at the ends of `i32`.
+    /// The greatest integer not above `self`, where it is an `i32`; for other values any number.
     fn floor_index(self) -> i32;
     /// The value nearest to the integer `i`.
     fn of_index(i: i32) -> Self;
@@ -44,9 +44,11 @@ impl Real for f64 {
     }
     #[inline(always)]
     fn floor_index(self) -> i32 {
-        // `f64::floor` is a library call on the x86-64 baseline; truncation and one compare are not.
-        let i = self as i32;
-        i - i32::from((i as f64) > self)
+        // From 2^52 on, f64s are the integers: the sum is rounded to one, and its lowest bits are the integer nearest to `self`.
+        // `f64::floor` is a library call on the x86-64 baseline, and a cast takes its time for values that do not fit.
+        const INTEGERS: f64 = 6_755_399_441_055_744.0; // 2^52 + 2^51
+        let nearest = (self + INTEGERS).to_bits() as i32;
+        nearest - i32::from(f64::from(nearest) > self)
     }
     #[inline(always)]
     fn of_index(i: i32) -> Self {
@@ -72,8 +74,7 @@ impl Real for f32 {
     }
     #[inline(always)]
     fn floor_index(self) -> i32 {
-        let i = self as i32;
-        i - i32::from((i as f32) > self)
+        f64::from(self).floor_index()
     }
     #[inline(always)]
     fn of_index(i: i32) -> Self {
