@@ -47,7 +47,7 @@ impl<'a, const D: usize> LayoutDrawer<'a, D> {
             region,
             target_power: field.porosity * region_volume / unit_ball,
             least_radius,
-            // Chosen: points a quarter of a spacing apart on a void of radius three spacings; gaps come out true to 2 %.
+            // Chosen: points a quarter of a spacing apart on a void of radius three spacings, gaps true to 2 %.
             surface: even_directions(if D == 2 { 72 } else { 400 }),
             // Chosen: sufficient for the volume of an outline to 1e-4.
             quadrature: even_directions(if D == 2 { 128 } else { 1000 }),
