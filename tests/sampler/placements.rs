@@ -40,6 +40,7 @@ fn scenes<const D: usize>() -> Vec<Region<D>> {
 
 fn inside_and_exact<const D: usize>(counts: &[usize]) {
     for region in scenes::<D>() {
+        let volume = region.volume(region.volume_raster()).unwrap();
         for sampler in SAMPLERS {
             for &count in counts {
                 let placement = place(&region, &sampler, None, count, &Streams::new(count as u64)).unwrap();
@@ -48,7 +49,6 @@ fn inside_and_exact<const D: usize>(counts: &[usize]) {
                     placement.positions.iter().all(|point| region.contains(point)),
                     "{sampler:?} in {region:?}"
                 );
-                let volume = region.volume(region.volume_raster()).unwrap();
                 assert_eq!(placement.filled_volume, volume);
                 assert_eq!(placement.porosity, 0.0);
             }

@@ -65,8 +65,8 @@ fn porosity_is_met_and_reported_truly_in_3d() {
     }
 }
 
-fn arms_share_their_voids<const D: usize>(field: InclusionField, h: f64) {
-    for seed in 0..2 {
+fn arms_share_their_voids<const D: usize>(field: InclusionField, h: f64, seeds: u64) {
+    for seed in 0..seeds {
         let with = |shape| drawn::<D>(InclusionField { shape, ..field }, h, seed);
         let (circles, ellipses) = (with(InclusionShape::Circles), with(InclusionShape::Ellipses));
         assert_eq!(
@@ -83,12 +83,12 @@ fn arms_share_their_voids<const D: usize>(field: InclusionField, h: f64) {
 
 #[test]
 fn circles_and_ellipses_of_a_seed_share_centres_and_areas_in_2d() {
-    arms_share_their_voids::<2>(InclusionField::circles(H), H);
+    arms_share_their_voids::<2>(InclusionField::circles(H), H, 2);
 }
 
 #[test]
 fn circles_and_ellipses_of_a_seed_share_centres_and_areas_in_3d() {
-    arms_share_their_voids::<3>(FIELD3, H3);
+    arms_share_their_voids::<3>(FIELD3, H3, 1);
 }
 
 /// A void on its own raster: equal-area radius, extent along and across the long axis, all independent of the library.
@@ -118,7 +118,7 @@ fn every_void_has_its_area_and_its_aspect() {
 #[test]
 fn outlines_are_irregular_at_constant_area() {
     let mut squares = Vec::new();
-    for seed in 0..4 {
+    for seed in 0..2 {
         let voids = drawn::<2>(InclusionField::circles(H), H, seed);
         for (centre, radius) in voids.inclusions() {
             let radii: Vec<f64> = (0..360)
@@ -192,7 +192,7 @@ fn voids_keep_their_gap() {
 /// centre line of a neck 2 h wide is a path of cells.
 #[test]
 fn the_solid_stays_in_one_piece_when_opened() {
-    for seed in 0..3 {
+    for seed in 0..2 {
         let voids = drawn::<2>(InclusionField { porosity: 0.2, ..InclusionField::ellipses(H) }, H, seed);
         let (cell, side) = (H / 5.0, 360_i32);
         let at = |i: i32, j: i32| Vector::<f64, 2>::new(f64::from(i - 180) * cell, f64::from(j - 180) * cell);
@@ -245,16 +245,16 @@ fn reported_measures_agree_with_the_voids() {
 /// Sizes spread as asked for about the mean asked for.
 #[test]
 fn sizes_follow_their_distribution() {
-    let radii: Vec<f64> = (0..12)
+    let radii: Vec<f64> = (0..6)
         .flat_map(|seed| drawn::<2>(InclusionField::circles(H), H, seed).inclusions())
         .map(|(_, radius)| radius / H)
         .collect();
     let mean = radii.iter().sum::<f64>() / radii.len() as f64;
     let spread =
         (radii.iter().map(|radius| (radius - mean).powi(2)).sum::<f64>() / radii.len() as f64).sqrt() / mean;
-    // About 250 radii: standard errors of 0.04 and 0.009.
-    assert!((mean - 3.0).abs() < 0.15, "mean {mean}");
-    assert!((spread - 0.2).abs() < 0.035, "spread {spread}");
+    // About 120 radii: standard errors of 0.055 and 0.013.
+    assert!((mean - 3.0).abs() < 0.2, "mean {mean}");
+    assert!((spread - 0.2).abs() < 0.05, "spread {spread}");
 }
 
 #[test]
@@ -273,6 +273,15 @@ fn the_seed_alone_decides_and_a_shift_moves_the_field() {
         let point = rng::uniform_vector::<2>(&mut rng).add_scalar(-0.5) * 0.5;
         assert_eq!(here.contains(&point), there.contains(&(point + shift)));
     }
+}
+
+/// These numbers pin the stream and the drawing of a field: if they change, every arm with voids changes.
+#[test]
+fn the_first_void_is_pinned() {
+    let (centre, radius) = drawn::<2>(InclusionField::ellipses(H), H, 1).inclusions()[0];
+    let pinned = [-0.13737052673345146, -0.09573172204233676, 0.02767477114411504];
+    let found = [centre[0], centre[1], radius];
+    assert!(found.iter().zip(pinned).all(|(found, pinned)| (found - pinned).abs() < 1e-15), "{found:?}");
 }
 
 /// A body of two parts keeps both: they count as one solid each.

@@ -29,8 +29,9 @@ const LEAST_RADIUS: f64 = 0.51 * LEAST_DIAMETER;
 /// To share one field among grids, give the coarsest spacing.
 ///
 /// # Errors
-/// [`SamplerError::OutOfRange`] for a parameter of the field, the region or `h`; [`SamplerError::CountOutOfRange`] if
-/// the voids are more than 2000; [`SamplerError::RasterTooFine`]; [`SamplerError::EmptyRegion`];
+/// [`SamplerError::OutOfRange`] for a parameter of the field, the region or `h`, among them a mean radius below 2 h or
+/// so large that the porosity is less than half a void; [`SamplerError::CountOutOfRange`] for more than 2000 voids;
+/// [`SamplerError::RasterTooFine`]; [`SamplerError::EmptyRegion`];
 /// [`SamplerError::FieldRejected`] after 1000 draws, or after 100 without room for all voids.
 pub fn draw_voids<const D: usize>(
     region: &Region<D>,

@@ -54,8 +54,13 @@ impl<const D: usize> Outline<D> {
         self.scale * (1.0 + sum)
     }
 
+    /// Its points in the `directions`.
+    pub fn points(&self, directions: &[Vector<f64, D>]) -> Vec<Vector<f64, D>> {
+        directions.iter().map(|n| n * self.radius(n)).collect()
+    }
+
     /// A radius the outline never falls below.
-    fn least(&self) -> f64 {
+    pub fn least(&self) -> f64 {
         self.scale * (1.0 - self.most)
     }
 
@@ -127,9 +132,9 @@ impl<const D: usize> Inclusion<D> {
         length < self.outline.greatest() && length < self.outline.radius(&(local / length))
     }
 
-    /// Points of its surface, one for each of the `directions`, as offsets from the centre [m].
-    pub fn surface_offsets(&self, directions: &[Vector<f64, D>]) -> Vec<Vector<f64, D>> {
-        directions.iter().map(|n| self.from_outline * (n * self.outline.radius(n))).collect()
+    /// Points of its surface as offsets from the centre [m], from [`Outline::points`].
+    pub fn surface_offsets(&self, points: &[Vector<f64, D>]) -> Vec<Vector<f64, D>> {
+        points.iter().map(|point| self.from_outline * point).collect()
     }
 }
 

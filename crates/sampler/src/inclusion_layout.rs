@@ -47,7 +47,7 @@ impl<'a, const D: usize> LayoutDrawer<'a, D> {
             region,
             target_power: field.porosity * region_volume / unit_ball,
             least_radius,
-            // Chosen: points a quarter of a spacing apart on a void of radius three spacings; gaps come out true to 2 %.
+            // Chosen: points a quarter of a spacing apart on a void of radius three spacings, gaps true to 2 %.
             surface: even_directions(if D == 2 { 72 } else { 400 }),
             // Chosen: sufficient for the volume of an outline to 1e-4.
             quadrature: even_directions(if D == 2 { 128 } else { 1000 }),
@@ -65,12 +65,11 @@ impl<'a, const D: usize> LayoutDrawer<'a, D> {
         let mut surfaces: Vec<[Vec<Vector<f64, D>>; 2]> = Vec::new();
         for radius in self.draw_radii(rng) {
             let outline = Outline::draw(self.field.irregularity, &self.quadrature, rng);
+            let points = outline.points(&self.surface);
             let placed = (0..TRIES).find_map(|_| {
-                let pair = self.candidate(radius, &outline, rng);
-                if !self.may_fit(&pair, &layout) {
-                    return None;
-                }
-                let own = [0, 1].map(|shape| pair[shape].surface_offsets(&self.surface));
+                let centre = self.free_centre(radius * outline.least(), &layout, rng)?;
+                let pair = self.shapes(centre, radius, &outline, rng);
+                let own = [0, 1].map(|shape| pair[shape].surface_offsets(&points));
                 let fits = [0, 1].into_iter().all(|shape| {
                     let others = if shape == 0 { &layout.round } else { &layout.stretched };
                     self.within_region(&pair[shape], &own[shape])
@@ -126,27 +125,31 @@ impl<'a, const D: usize> LayoutDrawer<'a, D> {
         radius
     }
 
-    fn candidate(&self, radius: f64, outline: &Outline<D>, rng: &mut ChaCha8Rng) -> [Inclusion<D>; 2] {
+    /// A random centre [m] about which a ball of radius `core` [m] leaves the gap; most have none, and cost little.
+    fn free_centre(&self, core: f64, layout: &Layout<D>, rng: &mut ChaCha8Rng) -> Option<Vector<f64, D>> {
         let bounds = self.region.bounding_box();
         let centre = bounds.min + (bounds.max - bounds.min).component_mul(&rng::uniform_vector::<D>(rng));
-        let random_axes = rng::orientation::<D>(rng);
+        let free = self.region.depth(&centre) >= core + self.field.gap
+            && layout.round.iter().all(|other| {
+                let least = core + other.core + self.field.gap;
+                (centre - other.centre).norm_squared() >= least * least
+            });
+        free.then_some(centre)
+    }
+
+    /// The round and the stretched shape.
+    fn shapes(
+        &self,
+        centre: Vector<f64, D>,
+        radius: f64,
+        outline: &Outline<D>,
+        rng: &mut ChaCha8Rng,
+    ) -> [Inclusion<D>; 2] {
         let axes = match self.field.orientation {
-            Orientation::Random => random_axes,
+            Orientation::Random => rng::orientation::<D>(rng),
             Orientation::Aligned(angle) => rotation::<D>(angle),
         };
         [1.0, self.field.aspect].map(|aspect| Inclusion::new(centre, radius, outline.clone(), aspect, &axes))
-    }
-
-    /// Whether the cores, which are balls, leave the gap: a quick test that most candidates fail.
-    fn may_fit(&self, pair: &[Inclusion<D>; 2], layout: &Layout<D>) -> bool {
-        let gap = self.field.gap;
-        let round = &pair[0];
-        let depth = self.region.depth(&round.centre);
-        depth >= round.core + gap
-            && layout.round.iter().all(|other| {
-                let least = round.core + other.core + gap;
-                (round.centre - other.centre).norm_squared() >= least * least
-            })
     }
 
     fn within_region(&self, inclusion: &Inclusion<D>, surface: &[Vector<f64, D>]) -> bool {

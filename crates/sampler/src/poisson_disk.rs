@@ -15,7 +15,8 @@ const fn packing(dimension: usize) -> f64 {
 
 /// Rounds of the search for the distance. Chosen: one or two are usual, more with few points or many voids.
 const ROUNDS: usize = 30;
-/// Surplus that is accepted, over the count. Chosen: small enough to leave no visible gaps, above the scatter of a fill.
+/// Surplus that is accepted, over the count. Chosen: small enough to leave no visible gaps, above the scatter of a
+/// fill.
 const SURPLUS: f64 = 0.02;
 /// Candidates about every point. Chosen: of a cube about the annulus of Bridson (2007) about a half fall into it,
 /// which leaves his k = 30.
@@ -196,7 +197,8 @@ impl<'a, const D: usize> Fill<'a, D> {
     }
 }
 
-/// The cells within two steps along every axis, without those no nearer than the distance by more than rounding, nearest first.
+/// The cells within two steps along every axis that may, but for rounding, hold a point nearer than the distance;
+/// nearest first.
 fn steps_around<const D: usize>() -> Vec<[isize; D]> {
     let mut steps: Vec<(usize, [isize; D])> = (0..5_usize.pow(D as u32))
         .map(|flat| {

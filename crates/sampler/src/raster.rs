@@ -199,3 +199,72 @@ impl Envelope {
         ((self.values[q] + y * y) - (self.values[p] + x * x)) / (2.0 * (y - x))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::uniform;
+    use crate::{Purpose, Streams};
+
+    fn raster<const D: usize>(side: f64) -> Raster<D> {
+        let bounds = Aabb { min: Vector::<f64, D>::zeros(), max: Vector::<f64, D>::repeat(side) };
+        Raster::over(&bounds, 1.0, 2).unwrap()
+    }
+
+    fn steps<const D: usize>(raster: &Raster<D>, flat: usize) -> Vector<f64, D> {
+        let mut rest = flat;
+        Vector::<f64, D>::from_fn(|axis, _| {
+            let step = rest % raster.shape[axis];
+            rest /= raster.shape[axis];
+            step as f64
+        })
+    }
+
+    fn distances_agree_with_all_pairs<const D: usize>(side: f64) {
+        let raster = raster::<D>(side);
+        let mut rng = Streams::new(1).stream(Purpose::Noise);
+        let features: Vec<bool> = (0..raster.len()).map(|_| uniform(&mut rng) < 0.02).collect();
+        let found = raster.squared_distances(|flat| features[flat]);
+        for flat in 0..raster.len() {
+            let to = |other: usize| (steps(&raster, flat) - steps(&raster, other)).norm_squared();
+            let least =
+                (0..raster.len()).filter(|&other| features[other]).map(to).fold(f64::INFINITY, f64::min);
+            assert_eq!(f64::from(found[flat]), least, "cell {flat}");
+        }
+    }
+
+    #[test]
+    fn distances_agree_with_all_pairs_in_2d_and_3d() {
+        distances_agree_with_all_pairs::<2>(40.0);
+        distances_agree_with_all_pairs::<3>(10.0);
+        let nothing = raster::<2>(5.0);
+        assert!(nothing.squared_distances(|_| false).iter().all(|&distance| distance == FAR));
+    }
+
+    /// Two squares of 20 cells joined by a neck: a disc passes the neck if it is as wide as the disc's diameter.
+    #[test]
+    fn an_opening_cuts_necks_narrower_than_the_disc() {
+        let raster = raster::<2>(60.0);
+        for (neck, pieces) in [(5.0, 2), (7.0, 2), (9.0, 1), (13.0, 1)] {
+            let mask = raster.mask(|centre| {
+                let in_squares = (centre[1] - 30.5).abs() < 10.0 && (centre[0] - 30.0).abs() > 8.0;
+                let in_neck = (centre[1] - 30.5).abs() < 0.5 * neck;
+                (centre[0] - 30.0).abs() < 28.0 && (in_squares || in_neck)
+            });
+            let opened = raster.opened(&mask, 4.0);
+            assert_eq!(raster.pieces(|flat| opened[flat]).cells.len(), pieces, "neck of {neck} cells");
+            assert_eq!(raster.pieces(|flat| mask[flat]).cells.len(), 1);
+        }
+    }
+
+    #[test]
+    fn pieces_share_faces_and_count_their_cells() {
+        let raster = raster::<3>(8.0);
+        let mask = raster.mask(|centre| {
+            let [low, high] = [2.0, 4.0].map(|corner| centre.iter().all(|&x| x > corner && x < corner + 2.0));
+            low || high
+        });
+        // Two cubes of eight cells that touch at a corner.
+        assert_eq!(raster.pieces(|flat| mask[flat]).cells, vec![8, 8]);
+    }
+}

@@ -94,7 +94,8 @@ pub fn normal_vector<const D: usize>(rng: &mut ChaCha8Rng) -> Vector<f64, D> {
 }
 
 /// Gamma of mean 1 and standard deviation `spread`, that is of shape `1/spread^2` (Marsaglia & Tsang 2000; shapes
-/// below 1 by their power of a uniform number). A `spread` of 0 or one that is no number gives 1; others are held to 1e-6..1e3.
+/// below 1 by their power of a uniform number). A `spread` of 0 or one that is no number gives 1; others are held
+/// to 1e-6..1e3.
 pub fn unit_mean_gamma(rng: &mut ChaCha8Rng, spread: f64) -> f64 {
     if spread.is_nan() || spread <= 0.0 {
         return 1.0;
