@@ -68,3 +68,26 @@ fn random_placement_reads_low_inside() {
         }
     }
 }
+
+/// Volumes have the dimension of the scene: the same lattice on a finer grid has volumes smaller by the spacing to the power D.
+#[test]
+fn volumes_scale_with_the_grid() {
+    fn check<const D: usize>(h: f64) {
+        let body = lattice::<D>(h, [0; D], [7; D], 2, [0.0; D]);
+        let scene = scene::<f64, D>(h);
+        let mut state = state(&scene, &body);
+        state.assign_density_volumes(&scene);
+        let middle = body.iter().position(|p| p.position.iter().all(|c| (3.0 * h..3.5 * h).contains(c)));
+        let middle = middle.expect("a particle in the middle");
+        assert_near(
+            state.constants.volume[middle],
+            (0.5 * h).powi(D as i32),
+            1e-12,
+            &format!("{D}D, h = {h}"),
+        );
+    }
+    for h in [0.0072, 3.0] {
+        check::<2>(h);
+        check::<3>(h);
+    }
+}
