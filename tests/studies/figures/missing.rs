@@ -21,6 +21,7 @@ fn missing_data_leave_a_note_and_contradictions_an_error() {
         ln_plastic_volume_ratio: &[],
         count: 0,
         largest_share: f64::NAN,
+        obstacles: &[],
     };
     let lost = Snapshot {
         positions: &[[f64::NAN, 1.0]],

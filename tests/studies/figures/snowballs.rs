@@ -18,6 +18,7 @@ struct Ball {
     at_rest: Vec<f64>,
     ln_j: Vec<f64>,
     count: usize,
+    obstacles: Vec<Vec<[f64; 2]>>,
 }
 
 fn ball(arm: &'static str, number: usize, count: u32, seed: u64) -> Ball {
@@ -51,6 +52,7 @@ fn ball(arm: &'static str, number: usize, count: u32, seed: u64) -> Ball {
         broken,
         ln_j,
         count: count as usize,
+        obstacles: vec![vec![[-9.0, 0.0], [9.0, 0.0], [9.0, -9.0], [-9.0, -9.0]]],
     }
 }
 
@@ -62,6 +64,7 @@ impl Ball {
             ln_plastic_volume_ratio: &self.at_rest,
             count: 1,
             largest_share: 1.0,
+            obstacles: &self.obstacles,
         };
         let after = Snapshot {
             positions: &self.after,
@@ -69,6 +72,7 @@ impl Ball {
             ln_plastic_volume_ratio: &self.ln_j,
             count: self.count,
             largest_share: 0.4231,
+            obstacles: &self.obstacles,
         };
         Snowball { arm: self.arm, spacing: self.spacing, before, after }
     }
@@ -78,8 +82,6 @@ pub fn figure<'a>(balls: &'a [Snowball<'a>]) -> Snowballs<'a> {
     Snowballs {
         title: "Four snowballs at 8 m/s, before and after",
         balls,
-        floor: 0.0,
-        obstacle: &[],
         rows: ["before", "after 6 R/v"],
         width: 1800,
     }
@@ -98,8 +100,10 @@ fn snowballs_fill_the_asked_width() {
     assert_eq!(drawing.width, 1800);
     keep("snowballs", &drawing);
     keep("plastic-volume", &snowballs::plastic_volume(&figure(&balls)).expect("the data is sound"));
-    let columns = Snowballs { obstacle: &[[-0.1, 0.0], [0.0, 0.1], [0.1, 0.0]], ..figure(&balls[1..2]) };
-    keep("snowball-alone", &snowballs::fragments(&columns).expect("the data is sound"));
+    let mut on_a_wedge = ball("random-30k", 30_000, 4, 2);
+    on_a_wedge.obstacles.push(vec![[-0.1, 0.0], [0.0, 0.1], [0.1, 0.0]]);
+    let alone = [on_a_wedge.columns()];
+    keep("snowball-alone", &snowballs::fragments(&figure(&alone)).expect("the data is sound"));
 }
 
 /// Rows and columns in which an image differs from paper-like tones, as lowest and highest index.
@@ -129,6 +133,7 @@ fn a_circle_of_particles_is_round_in_pixels() {
         ln_plastic_volume_ratio: &vec![0.0; positions.len()],
         count: 1,
         largest_share: 1.0,
+        obstacles: &[],
     };
     let wide: Vec<_> = positions.iter().map(|p| [3.0 * p[0], 0.4 * p[1]]).collect();
     let after = Snapshot { positions: &wide, fragments: &vec![Some(0); wide.len()], ..snapshot };
