@@ -11,7 +11,7 @@ use schema::{Keys, Shape};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use snowlab_study::assemble::assemble;
-use snowlab_study::spec::scene::PlacementSpec;
+use snowlab_study::spec::scene::{CountSpec, LatticeSpec, PlacementSpec};
 use snowlab_study::spec::{self, SceneSpec, StudySpec, scene_rules, study_rules};
 use snowlab_study::sweep::Study;
 use toml::{Table, Value};
@@ -153,9 +153,9 @@ fn every_example_is_accepted_and_assembles() {
         let scenes = if is_study { scenes_of_study(&text) } else { vec![spec::parse(&text).expect(&text)] };
         for mut scene in scenes {
             for body in &mut scene.body {
-                if let PlacementSpec::Random { count, .. }
-                | PlacementSpec::Jittered { count, .. }
-                | PlacementSpec::Lattice { count, .. } = &mut body.placement
+                if let PlacementSpec::Random(CountSpec { count, .. })
+                | PlacementSpec::Jittered(LatticeSpec { count, .. })
+                | PlacementSpec::Lattice(LatticeSpec { count, .. }) = &mut body.placement
                 {
                     *count = (*count).min(200);
                 }

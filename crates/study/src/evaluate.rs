@@ -167,7 +167,7 @@ fn remeasure<const D: usize>(
 /// The prefix for random placement, whose first N points are a placement of N points; random subsets else.
 fn thinning_of(result: &CaseResult) -> Thinning {
     match result.case.scene.body[0].placement {
-        PlacementSpec::Random { .. } => Thinning::Prefix,
+        PlacementSpec::Random(_) => Thinning::Prefix,
         _ => Thinning::RandomSubsets { seed: result.case.block },
     }
 }

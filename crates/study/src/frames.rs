@@ -4,10 +4,7 @@
 //! masses [kg]; then for each frame f64 time [s], f32 x D x particles positions less the origin [m], f32 x particles J_P;
 //! last the 32 bytes of the BLAKE3 hash of all before. Particles stand in the order of their ids.
 
-use std::path::{Path, PathBuf};
-
 use snowlab_solver::{Real, State, Vector};
-use thiserror::Error;
 
 const MAGIC: &[u8; 16] = b"snowlab-frames-1";
 const HASH_BYTES: usize = 32;
@@ -32,27 +29,6 @@ pub struct Frame<const D: usize> {
     pub positions: Vec<[f32; D]>,
     /// Plastic volume ratios.
     pub plastic_ratios: Vec<f32>,
-}
-
-/// A file of frames that cannot be used.
-#[derive(Debug, Error)]
-pub enum FramesError {
-    /// It cannot be read.
-    #[error("{}: cannot be read ({source})", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// It is not a whole file of frames.
-    #[error("{}: {reason}; delete the case's folder and run the study again", path.display())]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        reason: String,
-    },
 }
 
 impl<const D: usize> Frame<D> {
@@ -97,16 +73,11 @@ impl<const D: usize> Frames<D> {
         bytes
     }
 
-    /// Reads a file of frames.
+    /// The frames of a file's bytes.
     ///
     /// # Errors
-    /// [`FramesError`] where the file is missing, of another dimension, cut short or changed.
-    pub fn read(path: &Path) -> Result<Self, FramesError> {
-        let bytes = std::fs::read(path).map_err(|source| FramesError::Read { path: path.into(), source })?;
-        Self::from_bytes(&bytes).map_err(|reason| FramesError::Damaged { path: path.into(), reason })
-    }
-
-    fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
+    /// In which way the bytes are of another dimension, cut short or changed.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
         let body = bytes.len().checked_sub(HASH_BYTES).ok_or("it is cut short")?;
         let (body, hash) = bytes.split_at(body);
         if blake3::hash(body).as_bytes() != hash {

@@ -9,7 +9,7 @@ use snowlab_solver::{Real, Simulation};
 
 use crate::results::{Archive, CaseError};
 use crate::run::Observer;
-use crate::spec::scene::PlacementSpec;
+use crate::spec::scene::TimeUnit;
 use crate::sweep::Case;
 
 /// Hears how the work goes. Called from several threads.
@@ -88,19 +88,13 @@ fn predicted_work(case: &Case) -> f64 {
     let count: usize = scene
         .body
         .iter()
-        .map(|body| match body.placement {
-            PlacementSpec::Random { count, .. }
-            | PlacementSpec::Jittered { count, .. }
-            | PlacementSpec::Lattice { count, .. }
-            | PlacementSpec::PoissonDisk { count, .. } => count,
-            // A file's length is not known before it is read.
-            PlacementSpec::File { .. } => 10_000,
-        })
+        // A file's length is not known before it is read.
+        .map(|body| body.placement.count().unwrap_or(10_000))
         .sum();
     let speed = scene.body[0].velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
     let duration = match scene.output.time_unit {
-        crate::spec::scene::TimeUnit::Crossing => scene.output.end / speed.max(1e-3),
-        crate::spec::scene::TimeUnit::Second => scene.output.end,
+        TimeUnit::Crossing => scene.output.end / speed.max(1e-3),
+        TimeUnit::Second => scene.output.end,
     };
     count as f64 * duration / scene.numerics.spacing
 }

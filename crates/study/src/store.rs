@@ -15,7 +15,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
-use crate::frames::{Frames, FramesError};
+use crate::frames::Frames;
 use crate::spec::SceneSpec;
 use crate::spec::study::MeasureSpec;
 
@@ -43,9 +43,6 @@ pub enum StoreError {
         /// What is wrong.
         reason: String,
     },
-    /// Frames.
-    #[error(transparent)]
-    Frames(#[from] FramesError),
 }
 
 /// The folder of a study's results.
@@ -126,9 +123,13 @@ impl CaseFolder {
     /// Reads frames.
     ///
     /// # Errors
-    /// [`StoreError::Frames`].
+    /// [`StoreError`] where they are missing, cannot be read or are not what was written.
     pub fn read_frames<const D: usize>(&self) -> Result<Frames<D>, StoreError> {
-        Ok(Frames::read(&self.path.join("frames.bin"))?)
+        let path = self.path.join("frames.bin");
+        let bytes = read_whole(&path)?.ok_or("it is missing".to_string());
+        bytes
+            .and_then(|bytes| Frames::from_bytes(&bytes))
+            .map_err(|reason| StoreError::Damaged { path, reason })
     }
 
     /// Writes a value as JSON.
@@ -147,13 +148,17 @@ impl CaseFolder {
     /// [`StoreError`].
     pub fn read_json<V: DeserializeOwned>(&self, name: &str) -> Result<Option<V>, StoreError> {
         let path = self.path.join(name);
-        match std::fs::read(&path) {
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-            Err(source) => Err(StoreError::Io { path, source }),
-            Ok(bytes) => serde_json::from_slice(&bytes)
-                .map(Some)
-                .map_err(|error| StoreError::Damaged { path, reason: error.to_string() }),
-        }
+        let value = read_whole(&path)?.map(|bytes| serde_json::from_slice(&bytes)).transpose();
+        value.map_err(|error| StoreError::Damaged { path, reason: error.to_string() })
+    }
+}
+
+/// The bytes of a file; `None` where it is not there.
+fn read_whole(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
+    match std::fs::read(path) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(source) => Err(StoreError::Io { path: path.into(), source }),
     }
 }
 

@@ -1,6 +1,7 @@
 //! The tables of a study.
 
 use crate::evaluate::Judged;
+use crate::record::HistoryRow;
 use crate::results::{Archive, CaseResult};
 use crate::schedule::Clock;
 use crate::statistics::{Interval, summarise};
@@ -99,11 +100,15 @@ pub fn cases(results: &[CaseResult]) -> Table {
     Table { name: "cases", rows: results.iter().map(case_row).collect() }
 }
 
-fn identity(row: &mut Row, result: &CaseResult) {
+fn arm_and_axes(row: &mut Row, result: &CaseResult) {
     row.put("arm", "-", "arm of the study", result.case.arm.as_str());
     for (name, number) in &result.case.axes {
         row.number(name, "-", "axis of the sweep", *number);
     }
+}
+
+fn identity(row: &mut Row, result: &CaseResult) {
+    arm_and_axes(row, result);
     row.count("block", "seed shared by the arms of a block", result.case.block);
 }
 
@@ -235,22 +240,22 @@ pub fn frames(results: &[CaseResult]) -> Table {
                 .count("fragments", "N_f: components of at least the cut", f.fragments as u64)
                 .number("ln_neff", "-", "A = ln N_eff", f.ln_neff)
                 .number("damage", "-", "D = 1 - M1/M", f.damage)
-                .number("dust", "-", "share of the mass in components below the cut", f.dust)
-                .number("kinetic", "J/m or J", "kinetic energy", ledger.kinetic)
-                .number("elastic", "J/m or J", "elastic energy", ledger.elastic)
-                .number("potential", "J/m or J", "potential energy", ledger.potential)
-                .number("plastic_loss", "J/m or J", "lost to plastic flow so far", ledger.plastic_loss)
-                .number(
-                    "transfer_loss",
-                    "J/m or J",
-                    "lost between particles and grid so far",
-                    ledger.transfer_loss,
-                )
-                .number("contact_loss", "J/m or J", "lost in contacts so far", ledger.contact_loss);
+                .number("dust", "-", "share of the mass in components below the cut", f.dust);
+            energies(&mut row, ledger);
             rows.push(row);
         }
     }
     Table { name: "frames", rows }
+}
+
+/// The columns of the energies and of where they went.
+pub fn energies(row: &mut Row, ledger: &HistoryRow) {
+    row.number("kinetic", "J/m or J", "kinetic energy", ledger.kinetic)
+        .number("elastic", "J/m or J", "elastic energy", ledger.elastic)
+        .number("potential", "J/m or J", "potential energy", ledger.potential)
+        .number("plastic_loss", "J/m or J", "lost to plastic flow so far", ledger.plastic_loss)
+        .number("transfer_loss", "J/m or J", "lost between particles and grid so far", ledger.transfer_loss)
+        .number("contact_loss", "J/m or J", "lost in contacts so far", ledger.contact_loss);
 }
 
 /// `summary`: one row an arm (and point of the sweep) and endpoint, over the cases that can be used.
@@ -263,10 +268,7 @@ pub fn summary(results: &[CaseResult]) -> Table {
             let Some(s) = summarise(&values, CONFIDENCE) else { continue };
             let bound = |pick: fn(&Interval) -> f64| s.interval.as_ref().map(pick);
             let mut row = Row::default();
-            row.put("arm", "-", "arm of the study", group[0].case.arm.as_str());
-            for (name, number) in &group[0].case.axes {
-                row.number(name, "-", "axis of the sweep", *number);
-            }
+            arm_and_axes(&mut row, group[0]);
             row.put("endpoint", "-", "column of `cases`", endpoint)
                 .count("cases", "cases run", group.len() as u64)
                 .count("used", "cases that ended well, passed the gate and have the endpoint", s.count as u64)

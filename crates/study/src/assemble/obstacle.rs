@@ -3,7 +3,7 @@
 use snowlab_solver::{Collider, Contact, Real, Shape, Vector};
 
 use crate::spec::SpecError;
-use crate::spec::scene::{ColliderSpec, ContactName, SolidSpec};
+use crate::spec::scene::{BallSpec, BoxSpec, ColliderSpec, ContactName, SolidSpec};
 
 use super::vector::{vector, vector_or_zero};
 
@@ -19,10 +19,10 @@ pub(super) fn collider<T: Real, const D: usize>(
         SolidSpec::HalfSpace { point, normal } => {
             half_space(at(point, "point")? - origin, at(normal, "normal")?, spacing)
         }
-        SolidSpec::Ball { centre, radius } => {
+        SolidSpec::Ball(BallSpec { centre, radius }) => {
             Shape::Ball { centre: (at(centre, "centre")? - origin).map(T::of), radius: T::of(*radius) }
         }
-        SolidSpec::Box { centre, half_extent, angle } => Shape::Box {
+        SolidSpec::Box(BoxSpec { centre, half_extent, angle }) => Shape::Box {
             centre: (at(centre, "centre")? - origin).map(T::of),
             half_extent: at(half_extent, "half_extent")?.map(T::of),
             orientation: snowlab_sampler::rotation::<D>(angle.to_radians()).map(T::of),

@@ -5,7 +5,9 @@ use snowlab_sampler::{
 };
 
 use crate::spec::SpecError;
-use crate::spec::scene::{CountOf, InclusionSpec, PlacementSpec, RegionSpec, VoidSpec};
+use crate::spec::scene::{
+    BallSpec, BoxSpec, CountOf, CountSpec, InclusionSpec, LatticeSpec, PlacementSpec, RegionSpec, VoidSpec,
+};
 
 use super::vector::vector;
 
@@ -16,10 +18,10 @@ use super::vector::vector;
 pub fn region<const D: usize>(spec: &RegionSpec, key: &str) -> Result<Region<D>, SpecError> {
     let at = |values: &[f64], name: &str| vector::<D>(values, &format!("{key}.{name}"));
     Ok(match spec {
-        RegionSpec::Ball { centre, radius } => {
+        RegionSpec::Ball(BallSpec { centre, radius }) => {
             Region::Ball { centre: at(centre, "centre")?, radius: *radius }
         }
-        RegionSpec::Box { centre, half_extent, angle } => Region::Box {
+        RegionSpec::Box(BoxSpec { centre, half_extent, angle }) => Region::Box {
             centre: at(centre, "centre")?,
             half_extent: at(half_extent, "half_extent")?,
             orientation: snowlab_sampler::rotation(angle.to_radians()),
@@ -45,14 +47,14 @@ pub fn region<const D: usize>(spec: &RegionSpec, key: &str) -> Result<Region<D>,
 
 pub(super) fn sampler(placement: &PlacementSpec) -> (Sampler, usize, CountOf) {
     match *placement {
-        PlacementSpec::Random { count, count_of } => (Sampler::Random, count, count_of),
-        PlacementSpec::Jittered { count, count_of, angle } => {
+        PlacementSpec::Random(CountSpec { count, count_of }) => (Sampler::Random, count, count_of),
+        PlacementSpec::Jittered(LatticeSpec { count, count_of, angle }) => {
             (Sampler::Jittered { angle: angle.to_radians() }, count, count_of)
         }
-        PlacementSpec::Lattice { count, count_of, angle } => {
+        PlacementSpec::Lattice(LatticeSpec { count, count_of, angle }) => {
             (Sampler::Lattice { angle: angle.to_radians() }, count, count_of)
         }
-        PlacementSpec::PoissonDisk { count, count_of } => (Sampler::PoissonDisk, count, count_of),
+        PlacementSpec::PoissonDisk(CountSpec { count, count_of }) => (Sampler::PoissonDisk, count, count_of),
         PlacementSpec::File { .. } => (Sampler::Random, 0, CountOf::Body),
     }
 }

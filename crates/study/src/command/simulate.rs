@@ -8,6 +8,7 @@ use snowlab_study::run::{Observer, run_scene};
 use snowlab_study::spec::{self, SceneSpec};
 use snowlab_study::store::write_whole;
 use snowlab_study::table::{Row, Table};
+use snowlab_study::tables::energies;
 
 use super::Exit;
 
@@ -92,24 +93,20 @@ fn frame_csv<T: Real, const D: usize>(simulation: &Simulation<T, D>) -> String {
 
 /// `history`: energies, losses, and impulse and mean force on each obstacle, one row a frame.
 fn history(record: &RunRecord) -> Table {
-    let rows = record.history.iter().enumerate().map(|(index, now)| {
-        let before = index.checked_sub(1).map(|i| &record.history[i]);
-        let mut row = Row::default();
-        row.count("frame", "number of the frame", index as u64)
-            .number("time", "s", "time", now.time)
-            .count("steps", "steps taken", now.steps)
-            .number("kinetic", "J/m or J", "kinetic energy", now.kinetic)
-            .number("elastic", "J/m or J", "elastic energy", now.elastic)
-            .number("potential", "J/m or J", "potential energy", now.potential)
-            .number("plastic_loss", "J/m or J", "lost to plastic flow so far", now.plastic_loss)
-            .number("transfer_loss", "J/m or J", "lost between particles and grid so far", now.transfer_loss)
-            .number("contact_loss", "J/m or J", "lost in contacts so far", now.contact_loss)
-            .number("collider_work", "J/m or J", "work of obstacles so far", now.collider_work);
-        for collider in 0..now.impulses.len() {
-            forces(&mut row, collider, now, before);
-        }
-        row
-    });
+    let rows =
+        record.history.iter().enumerate().map(|(index, now)| {
+            let before = index.checked_sub(1).map(|i| &record.history[i]);
+            let mut row = Row::default();
+            row.count("frame", "number of the frame", index as u64)
+                .number("time", "s", "time", now.time)
+                .count("steps", "steps taken", now.steps);
+            energies(&mut row, now);
+            row.number("collider_work", "J/m or J", "work of obstacles so far", now.collider_work);
+            for collider in 0..now.impulses.len() {
+                forces(&mut row, collider, now, before);
+            }
+            row
+        });
     Table { name: "history", rows: rows.collect() }
 }
 

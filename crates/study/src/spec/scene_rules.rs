@@ -118,7 +118,7 @@ impl Spec for SceneSpec {
             return Err(SpecError::value("`body`", message));
         }
         self.body.iter().enumerate().try_for_each(|(number, body)| check_body(body, number))?;
-        let count: usize = self.body.iter().map(particles).sum();
+        let count: usize = self.body.iter().filter_map(|body| body.placement.count()).sum();
         if count > MOST_PARTICLES {
             let message = format!("have {count} particles together; allowed: {MOST_PARTICLES}");
             return Err(SpecError::value("`body`", message));
@@ -222,16 +222,6 @@ fn check_body(body: &BodySpec, number: usize) -> Result<(), SpecError> {
         return refuse("material.plastic_ratio_bounds", message);
     }
     Ok(())
-}
-
-fn particles(body: &BodySpec) -> usize {
-    match body.placement {
-        PlacementSpec::Random { count, .. }
-        | PlacementSpec::Jittered { count, .. }
-        | PlacementSpec::Lattice { count, .. }
-        | PlacementSpec::PoissonDisk { count, .. } => count,
-        PlacementSpec::File { .. } => 0,
-    }
 }
 
 fn check_output(output: &OutputSpec, scene: &SceneSpec) -> Result<(), SpecError> {

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::region::{BallSpec, BoxSpec};
+
 /// An obstacle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -31,22 +33,9 @@ pub enum SolidSpec {
         normal: Vec<f64>,
     },
     /// A disc or ball.
-    Ball {
-        /// Centre [m].
-        centre: Vec<f64>,
-        /// Radius [m].
-        radius: f64,
-    },
+    Ball(BallSpec),
     /// A rectangle or cuboid.
-    Box {
-        /// Centre [m].
-        centre: Vec<f64>,
-        /// Half the edge lengths [m].
-        half_extent: Vec<f64>,
-        /// Turned by so much in the plane of the first two axes [degrees].
-        #[serde(default)]
-        angle: f64,
-    },
+    Box(BoxSpec),
 }
 
 /// What touching an obstacle does.

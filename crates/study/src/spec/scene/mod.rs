@@ -14,8 +14,8 @@ pub use collider::{ColliderSpec, ContactName, SolidSpec};
 pub use material::MaterialSpec;
 pub use numerics::{AdvectionName, KernelName, NumericsSpec, PrecisionName, RestVolumeName, TransferName};
 pub use output::{EndFrom, OutputSpec, TimeUnit};
-pub use placement::{CountOf, PlacementSpec};
-pub use region::RegionSpec;
+pub use placement::{CountOf, CountSpec, LatticeSpec, PlacementSpec};
+pub use region::{BallSpec, BoxSpec, RegionSpec};
 pub use voids::{InclusionSpec, VoidSpec};
 
 use serde::{Deserialize, Serialize};

@@ -7,43 +7,13 @@ use serde::{Deserialize, Serialize};
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PlacementSpec {
     /// Independent uniform points.
-    Random {
-        /// Number of particles.
-        count: usize,
-        /// What `count` refers to.
-        #[serde(default)]
-        count_of: CountOf,
-    },
+    Random(CountSpec),
     /// One uniform point in every cell of a lattice.
-    Jittered {
-        /// Number of particles.
-        count: usize,
-        /// What `count` refers to.
-        #[serde(default)]
-        count_of: CountOf,
-        /// Angle of the lattice [degrees].
-        #[serde(default = "lattice_angle")]
-        angle: f64,
-    },
+    Jittered(LatticeSpec),
     /// The sites of a lattice.
-    Lattice {
-        /// Number of particles.
-        count: usize,
-        /// What `count` refers to.
-        #[serde(default)]
-        count_of: CountOf,
-        /// Angle of the lattice [degrees].
-        #[serde(default = "lattice_angle")]
-        angle: f64,
-    },
+    Lattice(LatticeSpec),
     /// Random points that keep their distance.
-    PoissonDisk {
-        /// Number of particles.
-        count: usize,
-        /// What `count` refers to.
-        #[serde(default)]
-        count_of: CountOf,
-    },
+    PoissonDisk(CountSpec),
     /// Points from a CSV or PLY file with columns x, y[, z], and vx, vy[, vz] if it has them.
     File {
         /// The file; relative to the scene file.
@@ -51,6 +21,44 @@ pub enum PlacementSpec {
         /// Area [m^2] or volume [m^3] that the points fill.
         filled_volume: f64,
     },
+}
+
+impl PlacementSpec {
+    /// Number of particles; `None` where a file has it.
+    pub fn count(&self) -> Option<usize> {
+        match self {
+            PlacementSpec::Random(CountSpec { count, .. })
+            | PlacementSpec::PoissonDisk(CountSpec { count, .. })
+            | PlacementSpec::Jittered(LatticeSpec { count, .. })
+            | PlacementSpec::Lattice(LatticeSpec { count, .. }) => Some(*count),
+            PlacementSpec::File { .. } => None,
+        }
+    }
+}
+
+/// How many particles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CountSpec {
+    /// Number of particles.
+    pub count: usize,
+    /// What `count` refers to.
+    #[serde(default)]
+    pub count_of: CountOf,
+}
+
+/// How many particles, on a lattice.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LatticeSpec {
+    /// Number of particles.
+    pub count: usize,
+    /// What `count` refers to.
+    #[serde(default)]
+    pub count_of: CountOf,
+    /// Angle of the lattice [degrees].
+    #[serde(default = "lattice_angle")]
+    pub angle: f64,
 }
 
 /// What a particle count refers to in a body with voids.

@@ -1,4 +1,4 @@
-//! The shape of a body.
+//! Shapes: those of bodies, and the ones that obstacles share with them.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,22 +7,9 @@ use serde::{Deserialize, Serialize};
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RegionSpec {
     /// A disc or ball.
-    Ball {
-        /// Centre [m].
-        centre: Vec<f64>,
-        /// Radius [m].
-        radius: f64,
-    },
+    Ball(BallSpec),
     /// A rectangle or cuboid.
-    Box {
-        /// Centre [m].
-        centre: Vec<f64>,
-        /// Half the edge lengths [m].
-        half_extent: Vec<f64>,
-        /// Turned by so much in the plane of the first two axes [degrees].
-        #[serde(default)]
-        angle: f64,
-    },
+    Box(BoxSpec),
     /// An ellipse or ellipsoid.
     Ellipsoid {
         /// Centre [m].
@@ -45,4 +32,27 @@ pub enum RegionSpec {
         /// What is taken away.
         removed: Box<RegionSpec>,
     },
+}
+
+/// A disc or ball.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BallSpec {
+    /// Centre [m].
+    pub centre: Vec<f64>,
+    /// Radius [m].
+    pub radius: f64,
+}
+
+/// A rectangle or cuboid.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoxSpec {
+    /// Centre [m].
+    pub centre: Vec<f64>,
+    /// Half the edge lengths [m].
+    pub half_extent: Vec<f64>,
+    /// Turned by so much in the plane of the first two axes [degrees].
+    #[serde(default)]
+    pub angle: f64,
 }
