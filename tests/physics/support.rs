@@ -81,6 +81,7 @@ pub fn scene<T: Real, const D: usize>(spacing: f64) -> Scene<T, D> {
         spacing: T::of(spacing),
         kernel: KernelKind::Cubic,
         transfer: Transfer::Flip(FlipShare::PerStep(0.95)),
+        engine: crate::ENGINE,
         advection: Advection::Interpolated,
         materials: vec![Material::Snow(snow())],
         colliders: Vec::new(),

@@ -1,14 +1,15 @@
 //! Time of a step, in nanoseconds per particle: a ball of snow in free fall and the same ball on impact, of several bursts of steps
-//! the median and the least. Words on the command line choose cases: `cargo bench -p snowlab-solver -- 2D cubic`.
+//! the median and the least, for both engines in turn. Words on the command line choose cases: `cargo bench -p snowlab-solver -- 2D cubic`.
 
 use std::time::Instant;
 
 use snowlab_solver::geometry::{Vector, unit};
 use snowlab_solver::{
-    Advection, Collider, Contact, FlipShare, InitialParticle, KernelKind, Lame, Material, Real, Scene, Shape,
-    Simulation, Snow, State, TimeStepControl, Transfer,
+    Advection, Collider, Contact, Engine, FlipShare, InitialParticle, KernelKind, Lame, Material, Real,
+    Scene, Shape, Simulation, Snow, State, TimeStepControl, Transfer,
 };
 
+const ENGINES: [Engine; 2] = [Engine::Reference, Engine::Fast];
 const RADIUS: f64 = 0.25;
 const SPEED: f64 = 8.0;
 const BURSTS: usize = 11;
@@ -28,7 +29,8 @@ fn main() {
     let flip = Transfer::Flip(FlipShare::PerStep(0.95));
     let case = |kernel, transfer, particles| Case { kernel, transfer, particles };
     use KernelKind::{Cubic, Quadratic};
-    println!("{:<36}{:>10}{:>10}   ns per particle-step", "case", "median", "least");
+    println!("ns per particle-step{:>26}{:>20}{:>18}", "reference", "fast", "ratio");
+    println!("{:<36}{:>10}{:>10}{:>10}{:>10}", "case", "median", "least", "median", "least");
     bench::<f64, 2>("f64", &case(Cubic, flip, 30_000), &words, timed);
     bench::<f32, 2>("f32", &case(Cubic, Transfer::Mls, 30_000), &words, timed);
     bench::<f64, 2>("f64", &case(Cubic, Transfer::Apic, 30_000), &words, timed);
@@ -37,7 +39,7 @@ fn main() {
     bench::<f64, 3>("f64", &case(Cubic, flip, 100_000), &words, timed);
 }
 
-/// One case in both phases.
+/// One case in both phases, with both engines in turn.
 fn bench<T: Real, const D: usize>(precision: &str, case: &Case, words: &[String], timed: bool) {
     let transfer = match case.transfer {
         Transfer::Flip(_) => "FLIP",
@@ -51,25 +53,38 @@ fn bench<T: Real, const D: usize>(precision: &str, case: &Case, words: &[String]
         if !words.iter().all(|word| name.split(' ').any(|part| part == word)) {
             continue;
         }
-        let mut simulation = ball::<T, D>(case, gap);
+        let mut simulations = ENGINES.map(|engine| ball::<T, D>(case, engine, gap));
         if !timed {
-            advance(&mut simulation, 1);
+            simulations.iter_mut().for_each(|simulation| advance(simulation, 1));
             println!("{name}: runs");
             continue;
         }
         // Free fall is alike from the first step on; an impact is under way when the body has moved by a quarter of its radius.
-        simulation.advance_to(lead).expect("a stable run");
-        advance(&mut simulation, 3);
+        for simulation in &mut simulations {
+            simulation.advance_to(lead).expect("a stable run");
+            advance(simulation, 3);
+        }
         let steps = BURST.div_ceil(case.particles);
-        let mut nanoseconds: Vec<f64> = (0..BURSTS)
-            .map(|_| {
+        let mut nanoseconds = ENGINES.map(|_| Vec::new());
+        for _ in 0..BURSTS {
+            for (simulation, nanoseconds) in simulations.iter_mut().zip(&mut nanoseconds) {
                 let start = Instant::now();
-                advance(&mut simulation, steps);
-                start.elapsed().as_secs_f64() * 1e9 / (steps * case.particles) as f64
-            })
-            .collect();
-        nanoseconds.sort_by(f64::total_cmp);
-        println!("{name:<36}{:>10.1}{:>10.1}", nanoseconds[BURSTS / 2], nanoseconds[0]);
+                advance(simulation, steps);
+                nanoseconds.push(start.elapsed().as_secs_f64() * 1e9 / (steps * case.particles) as f64);
+            }
+        }
+        let [reference, fast] = nanoseconds.map(|mut nanoseconds: Vec<f64>| {
+            nanoseconds.sort_by(f64::total_cmp);
+            [nanoseconds[BURSTS / 2], nanoseconds[0]]
+        });
+        println!(
+            "{name:<36}{:>10.1}{:>10.1}{:>10.1}{:>10.1}{:>8.2}",
+            reference[0],
+            reference[1],
+            fast[0],
+            fast[1],
+            reference[0] / fast[0]
+        );
     }
 }
 
@@ -80,7 +95,7 @@ fn advance<T: Real, const D: usize>(simulation: &mut Simulation<T, D>, steps: us
 }
 
 /// A ball of snow at `SPEED` above a floor at the distance `gap` [m], with (nearly) six particles a cell.
-fn ball<T: Real, const D: usize>(case: &Case, gap: f64) -> Simulation<T, D> {
+fn ball<T: Real, const D: usize>(case: &Case, engine: Engine, gap: f64) -> Simulation<T, D> {
     let volume = if D == 2 { std::f64::consts::PI } else { 4.0 / 3.0 * std::f64::consts::PI }
         * RADIUS.powi(D as i32)
         / case.particles as f64;
@@ -89,6 +104,7 @@ fn ball<T: Real, const D: usize>(case: &Case, gap: f64) -> Simulation<T, D> {
         spacing: T::of(spacing),
         kernel: case.kernel,
         transfer: case.transfer,
+        engine,
         advection: Advection::Interpolated,
         materials: vec![Material::Snow(Snow {
             lame: Lame::from_young(1.4e5, 0.2),

@@ -222,6 +222,18 @@ impl<T: Real, const D: usize> Grid<T, D> {
         Anchor { blocks: self.neighbours[block as usize], local: local.map(usize::from) }
     }
 
+    /// The block in which particle `p`'s stencil begins, and the stencil's first node within it.
+    #[inline(always)]
+    pub(crate) fn home(&self, p: usize) -> (u32, [u8; D]) {
+        self.homes[p]
+    }
+
+    /// The place of a stencil that begins at the first node of a block.
+    #[inline(always)]
+    pub(crate) fn block_anchor(&self, block: u32) -> Anchor<D> {
+        Anchor { blocks: self.neighbours[block as usize], local: [0; D] }
+    }
+
     /// The number of nodes stored.
     pub fn node_count(&self) -> usize {
         self.sums.len()

@@ -2,11 +2,13 @@
 
 use nalgebra::RealField;
 
+use crate::fast::HasWide;
+
 /// A floating point type a run can be computed in.
 ///
 /// The transcendental functions come from `libm`, never from the system's library, so that a run has the same bits
 /// on every machine; `sqrt` and the four operations are exact by IEEE 754.
-pub trait Real: RealField + Copy {
+pub trait Real: RealField + Copy + HasWide {
     /// A node whose mass is below this share of the lightest particle's mass counts as empty (chosen: far above the
     /// denormal numbers, so that momentum / mass keeps its relative precision, far below what a result can show).
     const EMPTY_NODE_SHARE: f64;

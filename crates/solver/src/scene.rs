@@ -50,6 +50,16 @@ impl Transfer {
     }
 }
 
+/// Who carries out the transfers between particles and grid.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Engine {
+    /// The plain definition.
+    Reference,
+    /// Four nodes at a time; the same sums in another order.
+    #[default]
+    Fast,
+}
+
 /// Which velocity moves a particle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Advection {
@@ -116,6 +126,8 @@ pub struct Scene<T: Real, const D: usize> {
     pub kernel: KernelKind,
     /// Velocity transfer.
     pub transfer: Transfer,
+    /// Who carries it out.
+    pub engine: Engine,
     /// Which velocity moves particles.
     pub advection: Advection,
     /// Materials, by the index that particles hold.

@@ -11,7 +11,7 @@ use crate::timestep::{meet, step_length};
 
 /// Particles are sorted anew after so many steps (chosen: sorting costs as much as a third of a step, and in 64 steps few
 /// particles leave their block).
-const SORT_INTERVAL: u64 = 64;
+const SORT_INTERVAL: u64 = 16;
 
 /// A scene with its state and scratch memory.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ use crate::grid::{Anchor, Grid};
 use crate::kernel::{Cubic, Kernel, KernelKind, Quadratic};
 use crate::particles::{ParticleConstants, ParticleMotion};
 use crate::real::Real;
-use crate::scene::{Scene, Transfer};
+use crate::scene::Scene;
 use crate::stencil::Stencil;
 
 /// What the grid tells each particle at the end of a step.
@@ -21,19 +21,31 @@ pub(crate) struct Gathered<T: Real, const D: usize> {
     pub affine: Vec<Matrix<T, D>>,
 }
 
+impl<T: Real, const D: usize> Gathered<T, D> {
+    /// Makes room for what `motion`'s particles are told.
+    pub(crate) fn resize(&mut self, motion: &ParticleMotion<T, D>) {
+        self.velocity.resize(motion.len(), Vector::zeros());
+        self.change.resize(motion.len(), Vector::zeros());
+        self.gradient.resize(motion.len(), Matrix::zeros());
+        self.affine.resize(motion.affine.len(), Matrix::zeros());
+    }
+}
+
 /// A method generic over kernel and transfer, called with both as compile-time constants.
 macro_rules! for_kernel_and_transfer {
     ($scene:expr, $function:ident, $($argument:expr),*) => {
         match ($scene.kernel, $scene.transfer) {
-            (KernelKind::Cubic, Transfer::Flip(_)) => $function::<T, Cubic, D, false, false>($($argument),*),
-            (KernelKind::Cubic, Transfer::Apic) => $function::<T, Cubic, D, true, false>($($argument),*),
-            (KernelKind::Cubic, Transfer::Mls) => $function::<T, Cubic, D, true, true>($($argument),*),
-            (KernelKind::Quadratic, Transfer::Flip(_)) => $function::<T, Quadratic, D, false, false>($($argument),*),
-            (KernelKind::Quadratic, Transfer::Apic) => $function::<T, Quadratic, D, true, false>($($argument),*),
-            (KernelKind::Quadratic, Transfer::Mls) => $function::<T, Quadratic, D, true, true>($($argument),*),
+            ($crate::KernelKind::Cubic, $crate::Transfer::Flip(_)) => $function::<T, $crate::kernel::Cubic, D, false, false>($($argument),*),
+            ($crate::KernelKind::Cubic, $crate::Transfer::Apic) => $function::<T, $crate::kernel::Cubic, D, true, false>($($argument),*),
+            ($crate::KernelKind::Cubic, $crate::Transfer::Mls) => $function::<T, $crate::kernel::Cubic, D, true, true>($($argument),*),
+            ($crate::KernelKind::Quadratic, $crate::Transfer::Flip(_)) => $function::<T, $crate::kernel::Quadratic, D, false, false>($($argument),*),
+            ($crate::KernelKind::Quadratic, $crate::Transfer::Apic) => $function::<T, $crate::kernel::Quadratic, D, true, false>($($argument),*),
+            ($crate::KernelKind::Quadratic, $crate::Transfer::Mls) => $function::<T, $crate::kernel::Quadratic, D, true, true>($($argument),*),
         }
     };
 }
+
+pub(crate) use for_kernel_and_transfer;
 
 /// Stage 0 of a step: the nodes that particles reach.
 pub(crate) fn place_stencils<T: Real, const D: usize>(
@@ -137,10 +149,7 @@ pub(crate) fn grid_to_particles<T: Real, const D: usize>(
     grid: &Grid<T, D>,
     gathered: &mut Gathered<T, D>,
 ) {
-    gathered.velocity.resize(motion.len(), Vector::zeros());
-    gathered.change.resize(motion.len(), Vector::zeros());
-    gathered.gradient.resize(motion.len(), Matrix::zeros());
-    gathered.affine.resize(motion.affine.len(), Matrix::zeros());
+    gathered.resize(motion);
     for_kernel_and_transfer!(scene, gather, motion, grid, gathered)
 }
 

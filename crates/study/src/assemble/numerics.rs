@@ -1,12 +1,14 @@
 //! Numerics and materials.
 
 use snowlab_solver::{
-    Advection, Elastic, FlipShare, KernelKind, Lame, Material, Real, Scene, Snow, StepLength,
+    Advection, Elastic, Engine, FlipShare, KernelKind, Lame, Material, Real, Scene, Snow, StepLength,
     TimeStepControl, Transfer, Vector,
 };
 
 use crate::spec::SpecError;
-use crate::spec::scene::{AdvectionName, KernelName, MaterialSpec, NumericsSpec, SceneSpec, TransferName};
+use crate::spec::scene::{
+    AdvectionName, EngineName, KernelName, MaterialSpec, NumericsSpec, SceneSpec, TransferName,
+};
 
 use super::obstacle::collider;
 use super::vector::vector_or_zero;
@@ -24,6 +26,10 @@ pub(super) fn scene<T: Real, const D: usize>(
             KernelName::Quadratic => KernelKind::Quadratic,
         },
         transfer: transfer(n),
+        engine: match n.engine {
+            EngineName::Fast => Engine::Fast,
+            EngineName::Reference => Engine::Reference,
+        },
         advection: match n.advection {
             AdvectionName::Interpolated => Advection::Interpolated,
             AdvectionName::Blended => Advection::Blended,

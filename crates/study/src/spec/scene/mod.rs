@@ -12,7 +12,9 @@ mod voids;
 pub use body::BodySpec;
 pub use collider::{ColliderSpec, ContactName, SolidSpec};
 pub use material::MaterialSpec;
-pub use numerics::{AdvectionName, KernelName, NumericsSpec, PrecisionName, RestVolumeName, TransferName};
+pub use numerics::{
+    AdvectionName, EngineName, KernelName, NumericsSpec, PrecisionName, RestVolumeName, TransferName,
+};
 pub use output::{EndFrom, OutputSpec, TimeUnit};
 pub use placement::{CountOf, CountSpec, LatticeSpec, PlacementSpec};
 pub use region::{BallSpec, BoxSpec, RegionSpec};

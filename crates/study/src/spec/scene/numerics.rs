@@ -14,6 +14,9 @@ pub struct NumericsSpec {
     /// Transfer between particles and grid.
     #[serde(default)]
     pub transfer: TransferName,
+    /// Who carries out the transfer.
+    #[serde(default)]
+    pub engine: EngineName,
     /// FLIP share a of a step of the reference length.
     #[serde(default = "defaults::flip_share")]
     pub flip_share: f64,
@@ -64,6 +67,7 @@ macro_rules! names {
 
 names!(/** B-spline kernels. */ KernelName { Cubic, Quadratic });
 names!(/** Transfers between particles and grid. */ TransferName { Flip, Apic, Mls });
+names!(/** Engines. */ EngineName { Fast, Reference });
 names!(/** Velocities that can move particles. */ AdvectionName { Interpolated, Blended });
 names!(/** Rules for rest volumes. */ RestVolumeName { Uniform, Density });
 names!(/** Floating point types. */ PrecisionName { F64, F32 });

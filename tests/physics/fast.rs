@@ -1,5 +1,8 @@
 //! What the explicit step must do, against closed forms, identities and brute force: no test reads what the solver
-//! computed to say what is right.
+//! computed to say what is right. This is the
+//! fast engine; `reference.rs` takes the same tests through the reference.
+
+const ENGINE: snowlab_solver::Engine = snowlab_solver::Engine::Fast;
 
 mod colliders;
 mod column;
@@ -7,6 +10,7 @@ mod conservation;
 mod decompositions;
 mod edge_cases;
 mod energy;
+mod engines;
 mod equivariance;
 mod kernels;
 mod material;

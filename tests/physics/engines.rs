@@ -1,0 +1,62 @@
+//! The fast engine against the reference: what it computes is the same to round-off.
+
+use snowlab_solver::collision::Contact;
+use snowlab_solver::geometry::Vector;
+use snowlab_solver::{Engine, Real, Scene, Simulation, State, Transfer};
+
+use crate::support::{KERNELS, Random, flip, floor, lattice, scene, state};
+
+const STEPS: usize = 60;
+
+/// A block of snow, its particles shaken off their lattice, that falls on a rough floor and is in the midst of the impact after
+/// [`STEPS`] steps.
+fn falling<T: Real, const D: usize>(scene: &Scene<T, D>) -> State<T, D> {
+    let h = scene.spacing.as_f64();
+    let mut random = Random(7);
+    let mut velocity = [1.0; D];
+    velocity[1] = -8.0;
+    let mut first = [-3; D];
+    first[1] = 1;
+    let mut body = lattice(h, first, [6; D], 2, velocity);
+    body.iter_mut().for_each(|p| p.position += random.vector::<f64, D>(0.25 * h));
+    state(scene, &body)
+}
+
+/// Positions by id after [`STEPS`] steps.
+fn end<T: Real, const D: usize>(scene: &Scene<T, D>) -> Vec<Vector<f64, D>> {
+    let mut simulation = Simulation::new(scene.clone(), falling(scene)).expect("a valid scene");
+    for _ in 0..STEPS {
+        simulation.advance_one(f64::INFINITY).expect("a stable step");
+    }
+    let state = simulation.state();
+    assert!(state.ledger.plastic_loss > 0.0, "the snow has yielded");
+    state.by_id().into_iter().map(|p| state.world_position(p)).collect()
+}
+
+fn check<T: Real, const D: usize>(cells: f64) {
+    for kernel in KERNELS {
+        for transfer in [flip(0.95), Transfer::Apic, Transfer::Mls] {
+            let mut scene = Scene { kernel, transfer, ..scene::<T, D>(0.0125) };
+            scene.colliders = vec![floor(0.0, Contact::Separate, 0.5)];
+            let by = |engine| end(&Scene { engine, ..scene.clone() });
+            let (fast, reference) = (by(Engine::Fast), by(Engine::Reference));
+            let apart = fast.iter().zip(&reference).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+            let apart = apart / scene.spacing.as_f64();
+            assert!(apart <= cells, "{D}D {kernel:?} {transfer:?}: {apart:e} cells apart");
+            assert!(apart > 0.0, "{D}D {kernel:?} {transfer:?}: the same engine ran twice");
+        }
+    }
+}
+
+#[test]
+fn positions_agree_to_1e_8_cells_in_f64() {
+    check::<f64, 2>(1e-8);
+    check::<f64, 3>(1e-8);
+}
+
+/// 60 steps of motion of some 0.01 cells each, rounded to 2^-24 of a position of some cells.
+#[test]
+fn positions_agree_to_2e_5_cells_in_f32() {
+    check::<f32, 2>(2e-5);
+    check::<f32, 3>(2e-5);
+}
