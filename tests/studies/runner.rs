@@ -1,6 +1,7 @@
 //! The command on tiny studies and scenes: 2D, a few hundred particles, a few dozen steps.
 
 mod exit_codes;
+mod reports;
 mod resuming;
 mod scenes;
 mod tables;

@@ -47,10 +47,12 @@ impl<'a> Arms<'a> {
         let judged = spec.claim.iter().chain(&spec.control).flat_map(|claim| claim.arms());
         let judged: Vec<&str> = judged.collect();
         let mut arms = Arms { labels: Vec::new(), cases: Vec::new() };
-        for group in groups(findings.results) {
+        let groups = groups(findings.results);
+        let most = groups.iter().map(Vec::len).max().unwrap_or(0);
+        for group in groups {
             let id = group[0].case.arm.as_str();
             let floor = spec.noise_floor.iter().any(|arm| arm == id);
-            let only_pictured = group.len() == 1 && !judged.contains(&id);
+            let only_pictured = group.len() == 1 && most > 1 && !judged.contains(&id);
             let cases: Vec<&CaseResult> = group.iter().copied().filter(|result| usable(result)).collect();
             if !floor && !only_pictured && !cases.is_empty() {
                 arms.labels.push(findings.archive.study.label(id));
