@@ -74,7 +74,7 @@ fn observations(
     let mut rows = Vec::new();
     let mut checks: BTreeMap<Check, Vec<ArmValue>> = BTreeMap::new();
     for (_, block) in by_block(results, &claim.arms()) {
-        let count = block.iter().map(|r| r.record.made.particles).min().unwrap_or(0);
+        let count = equal_count(&block);
         for result in block {
             let measured = match result.case.scene.dimension {
                 3 => remeasure::<3>(archive, result, count)?,
@@ -99,6 +99,11 @@ fn by_block<'a>(results: &'a [CaseResult], arms: &[&str]) -> BTreeMap<u64, Vec<&
         blocks.entry(result.case.block).or_default().push(result);
     }
     blocks
+}
+
+/// N*: the least number of particles among the cases of a block that were built.
+fn equal_count(block: &[&CaseResult]) -> usize {
+    block.iter().filter(|r| r.record.was_built()).map(|r| r.record.made.particles).min().unwrap_or(0)
 }
 
 fn arm_value(result: &CaseResult, value: Option<f64>, whole: bool) -> ArmValue {
@@ -246,9 +251,9 @@ fn calibration(
     let mut agrees = true;
     for claim in &archive.study.spec.claim {
         let Some((_, block)) = by_block(results, &claim.arms()).into_iter().next() else { continue };
-        let count = block.iter().map(|r| r.record.made.particles).min().unwrap_or(0);
+        let count = equal_count(&block);
         let mut stretches = Vec::new();
-        for result in &block {
+        for result in block.iter().filter(|result| result.record.was_built()) {
             stretches.push(match result.case.scene.dimension {
                 3 => apparent_break::<3>(archive, result, count)?,
                 _ => apparent_break::<2>(archive, result, count)?,

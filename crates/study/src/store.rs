@@ -4,6 +4,7 @@
 //! <out>/<study>/cases/<key>/case.json      what was asked
 //!                           frames.bin     frames
 //!                           run.json       how it went: written last, so that it marks a finished run
+//!                           panic.json     how it went, where the program panicked: such a case is run again
 //!                           metrics-<k>.json   fragments, by the key of the measurement
 //!                           clock.json     how long it took, and where
 //! ```
@@ -16,6 +17,7 @@ use serde::de::DeserializeOwned;
 use thiserror::Error;
 
 use crate::frames::{Frames, FramesError};
+use crate::record::RunRecord;
 use crate::spec::SceneSpec;
 use crate::spec::study::MeasureSpec;
 
@@ -23,6 +25,9 @@ use crate::spec::study::MeasureSpec;
 pub const SOLVER_VERSION: u32 = 1;
 /// Changes whenever the same frames give other metrics.
 pub const METRIC_VERSION: u32 = 1;
+
+/// The record of a case in which the program panicked. It does not mark a finished run.
+pub const PANIC: &str = "panic.json";
 
 /// A result that cannot be written or read.
 #[derive(Debug, Error)]
@@ -113,6 +118,36 @@ impl CaseFolder {
     /// Whether the run is finished.
     pub fn is_finished(&self) -> bool {
         self.path.join("run.json").is_file()
+    }
+
+    /// Whether it has the record of a finished run or of a panic.
+    pub fn has_record(&self) -> bool {
+        self.is_finished() || self.path.join(PANIC).is_file()
+    }
+
+    /// The record of the finished run, or else of the panic; `None` where there is neither.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub fn read_record(&self) -> Result<Option<RunRecord>, StoreError> {
+        Ok(match self.read_json("run.json")? {
+            Some(record) => Some(record),
+            None => self.read_json(PANIC)?,
+        })
+    }
+
+    /// Removes the record of an earlier panic, if there is one.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`].
+    pub fn forget_panic(&self) -> Result<(), StoreError> {
+        let path = self.path.join(PANIC);
+        match std::fs::remove_file(&path) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+                Err(StoreError::Io { path, source })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Writes frames.

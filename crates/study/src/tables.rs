@@ -1,5 +1,6 @@
 //! The tables of a study.
 
+use crate::assemble::Made;
 use crate::evaluate::Judged;
 use crate::results::{Archive, CaseResult};
 use crate::schedule::Clock;
@@ -21,7 +22,7 @@ pub const ENDPOINTS: [&str; 10] = [
     "ln_extent",
 ];
 /// The tables' own columns, whose names an axis of a sweep cannot have.
-pub const OWN_COLUMNS: [&str; 67] = [
+pub const OWN_COLUMNS: [&str; 68] = [
     "arm",
     "block",
     "cases",
@@ -38,6 +39,7 @@ pub const OWN_COLUMNS: [&str; 67] = [
     "elastic",
     "end_time",
     "endpoint",
+    "failure",
     "fragments",
     "gate",
     "greatest",
@@ -110,18 +112,32 @@ fn identity(row: &mut Row, result: &CaseResult) {
 pub fn case_row(result: &CaseResult) -> Row {
     let mut row = Row::default();
     identity(&mut row, result);
-    let (record, made) = (&result.record, &result.record.made);
+    let record = &result.record;
+    // Of a case that was not built there is nothing to tell.
+    let made = record.was_built().then_some(&record.made);
+    let count = |pick: fn(&Made) -> usize| made.map_or(Cell::Missing, |made| Cell::Count(pick(made) as u64));
     row.put("key", "-", "name of the case's folder: hash of scene and solver version", result.key.as_str())
         .put("outcome", "-", "ok, ok-with-clamps or stopped(reason)", record.outcome.in_words().as_str())
-        .count("particles", "number of particles N", made.particles as u64)
-        .number("particles_per_cell", "-", "particles per cell of the filled space", made.particles_per_cell)
-        .number("porosity", "-", "share of the body that is void", made.porosity)
-        .count("voids", "number of voids", made.voids as u64)
-        .count("void_draws", "draws until a void field was accepted", made.void_draws as u64)
-        .number("mass", "kg/m or kg", "mass of all particles", made.mass);
+        .put(
+            "failure",
+            "-",
+            "why the case stopped, could not be measured or failed the gate; empty where it can be used",
+            result.failure().as_deref().map_or(Cell::Missing, Cell::from),
+        )
+        .put("particles", "-", "number of particles N", count(|made| made.particles))
+        .put(
+            "particles_per_cell",
+            "-",
+            "particles per cell of the filled space",
+            made.map(|made| made.particles_per_cell),
+        )
+        .put("porosity", "-", "share of the body that is void", made.map(|made| made.porosity))
+        .put("voids", "-", "number of voids", count(|made| made.voids))
+        .put("void_draws", "-", "draws until a void field was accepted", count(|made| made.void_draws))
+        .put("mass", "kg/m or kg", "mass of all particles", made.map(|made| made.mass));
     measured(&mut row, result);
     let last = record.history.last();
-    row.number("time_unit", "s", "R/v, or 1 s", record.time_unit)
+    row.put("time_unit", "s", "R/v, or 1 s", made.map(|_| record.time_unit))
         .put("contact_time", "s", "first step in which an obstacle changed a velocity", record.contact_time)
         .number("end_time", "s", "time of the measurement", record.end_time)
         .count("steps", "accepted steps", record.steps)
@@ -345,8 +361,8 @@ pub fn timings(archive: &Archive, results: &[CaseResult]) -> Result<Table, Store
     for result in results {
         let folder = archive.store.case(&result.key);
         let clock = folder.read_json::<Clock>("clock.json")?;
-        let per_step =
-            clock.as_ref().map(|c| c.wall_seconds * 1e9 / result.record.particle_steps.max(1) as f64);
+        let steps = result.record.particle_steps;
+        let per_step = clock.as_ref().filter(|_| steps > 0).map(|c| c.wall_seconds * 1e9 / steps as f64);
         let mut row = Row::default();
         identity(&mut row, result);
         row.put("wall_seconds", "s", "wall time of the case", clock.as_ref().map(|c| c.wall_seconds))

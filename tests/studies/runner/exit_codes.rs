@@ -59,14 +59,30 @@ fn two_where_the_input_is_bad() {
     assert!(printed.contains("metric `partikels`: is not a column of `cases`"), "{printed}");
 }
 
-/// Voids that find no room: the case cannot be built, and the others run all the same.
+/// Voids that find no room: the case cannot be built, which is a row as any other stop, and the others run all the same.
 #[test]
-fn three_where_cases_cannot_be_built() {
+fn cases_that_cannot_be_built_are_rows() {
     let crowded = "[[arm]]\nid = \"crowded\"\nset = { \"body.0.voids\" = { kind = \"circles\", porosity = 0.6, mean_radius = 0.1 } }\n";
-    let desk = Desk::with(&[("study.toml", &study(&[crowded, ARMS].concat()))]);
-    let printed = desk.expect(3, "run study.toml --jobs 2");
-    assert!(printed.contains("failed: crowded block 1: `body.0`: no void field"), "{printed}");
-    assert_eq!(super::rows(&desk.read("results/tiny/cases.csv")).len(), 6);
+    let claim = "[[claim]]\nid = \"crowded-breaks-more\"\nsentence = \"It does.\"\n\
+                 contrast = { paired = { treated = \"crowded\", control = \"lattice\" } }\n";
+    let desk = Desk::with(&[("study.toml", &study(&[crowded, ARMS, claim].concat()))]);
+    let printed = desk.expect(0, "run study.toml --jobs 2");
+    assert!(printed.contains("crowded block 1 stopped: `body.0`: no void field"), "{printed}");
+    let cases = super::rows(&desk.read("results/tiny/cases.csv"));
+    assert_eq!(cases.len(), 8);
+    assert_eq!(cases[0]["outcome"], "stopped(not-built)");
+    assert!(cases[0]["failure"].contains("no void field"), "{:?}", cases[0]);
+    assert_eq!([&cases[0]["particles"], &cases[0]["mass"], &cases[0]["time_unit"]], ["", "", ""]);
+    assert_eq!(cases[2]["failure"], "", "{:?}", cases[2]);
+    // The scene is the same the next time: it is not tried again, and the check fails for the case, not for its lack.
+    assert!(desk.expect(0, "plan study.toml").ends_with("8 cases: 8 finished, 0 to run\n"));
+    let printed = desk.expect(1, "check study.toml");
+    assert!(printed.contains("FAILED  crowded block 2: `body.0`: no void field"), "{printed}");
+    // For a claim its blocks are lost.
+    desk.expect(0, "report study.toml");
+    let claims = super::rows(&desk.read("results/tiny/claims.csv"));
+    let crowded = claims.iter().find(|row| row["claim"] == "crowded-breaks-more").unwrap();
+    assert_eq!([&crowded["blocks"], &crowded["lost_blocks"]], ["0", "2"]);
 }
 
 #[test]

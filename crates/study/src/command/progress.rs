@@ -5,8 +5,8 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use snowlab_study::results::CaseError;
 use snowlab_study::schedule::Progress;
+use snowlab_study::store::StoreError;
 use snowlab_study::sweep::Case;
 
 /// Time between plain lines.
@@ -67,7 +67,7 @@ impl Progress for Bar {
         }
     }
 
-    fn finished(&self, case: &Case, result: Result<(), &CaseError>) {
+    fn finished(&self, case: &Case, result: Result<(), &StoreError>) {
         if let Err(error) = result {
             let line = format!("{} block {}: {error}", case.arm, case.block);
             match &self.bar {

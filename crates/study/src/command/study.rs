@@ -57,27 +57,29 @@ pub fn run(arguments: &StudyArguments, jobs: Option<usize>) -> anyhow::Result<Ex
     let missing = archive.missing();
     eprintln!("{}: {} cases, {} to run", study.spec.name, study.cases.len(), missing.len());
     let jobs = jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let mut unstored = 0;
     let failures = match run_cases(&archive, &missing, jobs, &Bar::new(missing.len())) {
         Ok(()) => Vec::new(),
         Err(failures) => failures,
     };
-    for (index, error) in &failures {
-        let case = &study.cases[*index];
-        eprintln!("failed: {} block {}: {error}", case.arm, case.block);
+    for (index, error) in failures {
+        let case = &study.cases[index];
+        eprintln!("failed: {} block {}: {:#}", case.arm, case.block, anyhow::Error::from(error));
+        unstored += 1;
     }
-    let results = finished(&archive)?;
+    let results = archive.results()?;
     write_tables(&archive, &results, &[])?;
     let stopped: Vec<_> = results.iter().filter_map(stopped).collect();
     stopped.iter().for_each(|line| eprintln!("{line}"));
     println!("{}", archive.store.root().join("cases.csv").display());
-    Ok(if failures.is_empty() { Exit::Done } else { Exit::CasesFailed })
+    Ok(if unstored == 0 { Exit::Done } else { Exit::CasesFailed })
 }
 
 /// Writes tables, figures and report.
 pub fn report(arguments: &StudyArguments) -> anyhow::Result<Exit> {
     let Opened { study, text } = open(arguments)?;
     let archive = Archive::open(&study, &arguments.out, folder(arguments))?;
-    let results = finished(&archive)?;
+    let results = archive.results()?;
     let missing = study.cases.len() - results.len();
     anyhow::ensure!(
         !results.is_empty(),
@@ -111,12 +113,6 @@ pub fn check(arguments: &StudyArguments) -> anyhow::Result<Exit> {
     let failed = findings.iter().filter(|finding| !finding.holds).count();
     println!("{}: {} expectations, {failed} failed", study.spec.name, findings.len());
     Ok(if failed == 0 { Exit::Done } else { Exit::ExpectationFailed })
-}
-
-/// Results of the cases that have been run.
-fn finished(archive: &Archive) -> anyhow::Result<Vec<CaseResult>> {
-    let run = (0..archive.study.cases.len()).filter(|&index| archive.case_folder(index).is_finished());
-    Ok(run.map(|index| archive.result(index)).collect::<Result<_, _>>()?)
 }
 
 fn stopped(result: &CaseResult) -> Option<String> {

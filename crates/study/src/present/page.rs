@@ -78,7 +78,8 @@ fn arms(findings: Findings) -> Vec<ReportArm> {
     let mut arms: Vec<ReportArm> = Vec::new();
     for group in groups(findings.results) {
         let first = group[0];
-        let made = &first.record.made;
+        let built = group.iter().find(|result| result.record.was_built()).unwrap_or(&first);
+        let made = &built.record.made;
         let ended = group.iter().filter(|result| usable(result)).count();
         let voids = if made.voids > 0 {
             format!(", {} voids, porosity {:.3}", made.voids, made.porosity)
@@ -155,13 +156,9 @@ fn summary(findings: Findings) -> ReportTable {
 
 fn failures(findings: Findings) -> Vec<ReportFailure> {
     let failed = |result: &crate::results::CaseResult| {
-        let reason = match (&result.record.outcome, &result.metrics) {
-            (Outcome::Stopped { message, .. }, _) => message.clone(),
-            (_, Some(metrics)) if !metrics.gate_valid => metrics.gate.clone(),
-            (Outcome::OkWithClamps, _) => format!("J_P met a bound {} times", result.record.clamps),
-            (_, None) => "its frames cannot be measured".into(),
-            _ => return None,
-        };
+        let clamped = matches!(result.record.outcome, Outcome::OkWithClamps)
+            .then(|| format!("J_P met a bound {} times", result.record.clamps));
+        let reason = result.failure().or(clamped)?;
         let case = format!("{}, block {}", name(findings, result), result.case.block);
         Some(ReportFailure { case, status: result.record.outcome.in_words(), reason })
     };
