@@ -9,13 +9,14 @@ SNOWLAB = $(CARGO) run --locked --release --quiet --bin snowlab --
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
 
+# `run` says by 3 that a case stopped, which the report shows and `check` fails for.
 study: ## run the placement comparison; tables, figures and report go to results/placement
-	$(SNOWLAB) run studies/placement.toml --jobs $(JOBS)
+	$(SNOWLAB) run studies/placement.toml --jobs $(JOBS) || [ $$? -eq 3 ]
 	$(SNOWLAB) report studies/placement.toml
 	$(SNOWLAB) check studies/placement.toml
 
 pilot: ## run the pilot that chose the study's speed; its table goes to results/pilot
-	$(SNOWLAB) run studies/pilot.toml --jobs $(JOBS)
+	$(SNOWLAB) run studies/pilot.toml --jobs $(JOBS) || [ $$? -eq 3 ]
 	$(SNOWLAB) report studies/pilot.toml
 
 test: ## build and run all tests
@@ -25,7 +26,7 @@ check: ## formatting, lints, docs, and the smoke profile of the study within its
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --locked --release --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --release --workspace --no-deps
-	$(SNOWLAB) run studies/placement.toml --profile smoke --jobs $(JOBS) --out target/smoke
+	$(SNOWLAB) run studies/placement.toml --profile smoke --jobs $(JOBS) --out target/smoke || [ $$? -eq 3 ]
 	$(SNOWLAB) report studies/placement.toml --profile smoke --out target/smoke
 	$(SNOWLAB) check studies/placement.toml --profile smoke --out target/smoke
 

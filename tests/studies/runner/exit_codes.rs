@@ -27,7 +27,7 @@ fn one_where_a_range_is_left() {
 #[test]
 fn one_where_a_case_has_stopped() {
     let desk = Desk::with(&[("study.toml", &study(STOPPING_ARM))]);
-    desk.expect(0, "run study.toml --jobs 2");
+    desk.expect(3, "run study.toml --jobs 2");
     let printed = desk.expect(1, "check study.toml");
     assert!(printed.contains("FAILED  leaping block 1: particle"), "{printed}");
 }
@@ -66,7 +66,7 @@ fn cases_that_cannot_be_built_are_rows() {
     let claim = "[[claim]]\nid = \"crowded-breaks-more\"\nsentence = \"It does.\"\n\
                  contrast = { paired = { treated = \"crowded\", control = \"lattice\" } }\n";
     let desk = Desk::with(&[("study.toml", &study(&[crowded, ARMS, claim].concat()))]);
-    let printed = desk.expect(0, "run study.toml --jobs 2");
+    let printed = desk.expect(3, "run study.toml --jobs 2");
     assert!(printed.contains("crowded block 1 stopped: `body.0`: no void field"), "{printed}");
     let cases = super::rows(&desk.read("results/tiny/cases.csv"));
     assert_eq!(cases.len(), 8);
@@ -83,6 +83,17 @@ fn cases_that_cannot_be_built_are_rows() {
     let claims = super::rows(&desk.read("results/tiny/claims.csv"));
     let crowded = claims.iter().find(|row| row["claim"] == "crowded-breaks-more").unwrap();
     assert_eq!([&crowded["blocks"], &crowded["lost_blocks"]], ["0", "2"]);
+}
+
+/// Whether it stopped now or in an earlier run.
+#[test]
+fn three_where_a_case_of_a_study_has_stopped() {
+    let desk = Desk::with(&[("study.toml", &study(STOPPING_ARM))]);
+    for to_run in [2, 0] {
+        let printed = desk.expect(3, "run study.toml --jobs 2");
+        assert!(printed.contains(&format!("2 cases, {to_run} to run")), "{printed}");
+        assert!(printed.contains("2 of 2 cases stopped"), "{printed}");
+    }
 }
 
 #[test]

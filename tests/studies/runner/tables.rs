@@ -12,7 +12,7 @@ const SWEEP: &str = "[[arm]]\nid = \"random\"\n[[sweep]]\nname = \"speed\"\npath
 #[test]
 fn a_case_that_stops_is_a_row_and_the_study_goes_on() {
     let desk = Desk::with(&[("study.toml", &study(&[STOPPING_ARM, ARMS].concat()))]);
-    let printed = desk.expect(0, "run study.toml --jobs 1");
+    let printed = desk.expect(3, "run study.toml --jobs 1");
     assert!(printed.contains("leaping block 1 stopped: particle"), "{printed}");
     let cases = rows(&desk.read("results/tiny/cases.csv"));
     assert_eq!(cases.len(), 8);

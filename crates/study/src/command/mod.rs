@@ -19,7 +19,7 @@ pub enum Exit {
     ExpectationFailed = 1,
     /// Usage or bad input.
     BadInput = 2,
-    /// Cases failed.
+    /// Cases stopped or could not be stored.
     CasesFailed = 3,
 }
 
@@ -28,7 +28,7 @@ pub enum Exit {
 pub enum Command {
     /// List the cases of a study: how many, which are there, what would run
     Plan(StudyArguments),
-    /// Run the cases of a study that have not been run, and write its tables
+    /// Run the cases of a study that have not been run, and write its tables; exit code 3 where a case has stopped
     Run {
         #[command(flatten)]
         study: StudyArguments,

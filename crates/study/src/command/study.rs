@@ -50,7 +50,7 @@ pub fn plan(arguments: &StudyArguments) -> anyhow::Result<Exit> {
     Ok(Exit::Done)
 }
 
-/// Runs what is missing and writes the tables.
+/// Runs what is missing and writes the tables. Cases that stopped, now or before, are told by the exit code.
 pub fn run(arguments: &StudyArguments, jobs: Option<usize>) -> anyhow::Result<Exit> {
     let Opened { study, .. } = open(arguments)?;
     let archive = Archive::open(&study, &arguments.out, folder(arguments))?;
@@ -71,8 +71,11 @@ pub fn run(arguments: &StudyArguments, jobs: Option<usize>) -> anyhow::Result<Ex
     write_tables(&archive, &results, &[])?;
     let stopped: Vec<_> = results.iter().filter_map(stopped).collect();
     stopped.iter().for_each(|line| eprintln!("{line}"));
+    if !stopped.is_empty() {
+        eprintln!("{} of {} cases stopped; they are rows of the tables", stopped.len(), results.len());
+    }
     println!("{}", archive.store.root().join("cases.csv").display());
-    Ok(if unstored == 0 { Exit::Done } else { Exit::CasesFailed })
+    Ok(if unstored == 0 && stopped.is_empty() { Exit::Done } else { Exit::CasesFailed })
 }
 
 /// Writes tables, figures and report.
