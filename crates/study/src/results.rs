@@ -79,7 +79,7 @@ impl<'a> Archive<'a> {
     /// # Errors
     /// A particle file that cannot be read.
     pub fn open(study: &'a Study, out: &Path, folder: &'a Path) -> Result<Self, CaseError> {
-        let store = Store::new(out, &study.spec.name);
+        let store = Store::new(out, &study.spec.name, &study.profile);
         let keys = study
             .cases
             .iter()

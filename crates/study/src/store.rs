@@ -7,6 +7,8 @@
 //!                           panic.json     how it went, where the program panicked: such a case is run again
 //!                           metrics-<k>.json   fragments, by the key of the measurement
 //!                           clock.json     how long it took, and where
+//! <out>/<study>/             tables, figures and report of the study run without a profile
+//! <out>/<study>/<profile>/   those of a profile, which shares the cases with all others
 //! ```
 
 use std::io::Write;
@@ -19,7 +21,7 @@ use thiserror::Error;
 use crate::frames::{Frames, FramesError};
 use crate::record::RunRecord;
 use crate::spec::SceneSpec;
-use crate::spec::study::MeasureSpec;
+use crate::spec::study::{DEFAULT_PROFILE, MeasureSpec};
 
 /// Changes whenever the same scene gives other numbers: it is part of every case's key.
 pub const SOLVER_VERSION: u32 = 1;
@@ -53,10 +55,14 @@ pub enum StoreError {
     Frames(#[from] FramesError),
 }
 
-/// The folder of a study's results.
+/// Names of folders of a study, which no profile can have.
+pub const FOLDERS: [&str; 2] = ["cases", "figures"];
+
+/// The folders of a study's results.
 #[derive(Clone, Debug)]
 pub struct Store {
     root: PathBuf,
+    cases: PathBuf,
 }
 
 /// The folder of one case.
@@ -66,19 +72,21 @@ pub struct CaseFolder {
 }
 
 impl Store {
-    /// The results of the study `name` below `out`.
-    pub fn new(out: &Path, name: &str) -> Self {
-        Store { root: out.join(name) }
+    /// The results of the study `name`, run under `profile`, below `out`.
+    pub fn new(out: &Path, name: &str, profile: &str) -> Self {
+        let study = out.join(name);
+        let cases = study.join("cases");
+        Store { root: if profile == DEFAULT_PROFILE { study } else { study.join(profile) }, cases }
     }
 
-    /// The study's folder.
+    /// The folder of tables, figures and report.
     pub fn root(&self) -> &Path {
         &self.root
     }
 
     /// The folder of a case.
     pub fn case(&self, key: &str) -> CaseFolder {
-        CaseFolder { path: self.root.join("cases").join(key) }
+        CaseFolder { path: self.cases.join(key) }
     }
 }
 

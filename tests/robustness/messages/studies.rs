@@ -239,6 +239,12 @@ const TABLE: &[Refused] = &[
     // Profiles, whether they are chosen or not.
     refused(
         END,
+        "[[arm]]\nid = \"two\"\n[profile.cases]\n",
+        &["`profile.cases`", "cases, figures", "another"],
+    ),
+    refused(END, "[[arm]]\nid = \"two\"\n[profile.\"../x\"]\n", &["`profile.../x`", "\"../x\"", NAME]),
+    refused(
+        END,
         "[[arm]]\nid = \"two\"\n[profile.quick]\narms = [\"three\"]\n",
         &["`profile.quick.arms`", "\"three\"", ARMS],
     ),

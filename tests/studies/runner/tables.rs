@@ -48,6 +48,27 @@ fn a_sweep_has_its_column_in_every_table() {
     }
 }
 
+/// Tables, figures and report of a profile stand beside those of the study; a case that both ask for is run once.
+#[test]
+fn a_profile_leaves_the_tables_of_the_study_alone() {
+    let profile = "[profile.short]\narms = [\"random\", \"lattice\"]\n";
+    let desk = Desk::with(&[("study.toml", &study(&[ARMS, profile].concat()))]);
+    desk.expect(0, "run study.toml --jobs 2");
+    desk.expect(0, "report study.toml");
+    let before = desk.files("results/tiny");
+    let printed = desk.expect(0, "run study.toml --profile short --jobs 2");
+    assert!(printed.contains("4 cases, 0 to run"), "{printed}");
+    desk.expect(0, "report study.toml --profile short");
+    desk.expect(0, "check study.toml --profile short");
+    let after = desk.files("results/tiny");
+    assert!(before.iter().all(|(path, bytes)| after[path] == *bytes), "what was there is as it was");
+    let new: Vec<_> = after.keys().filter(|path| !before.contains_key(*path)).collect();
+    assert!(new.iter().all(|path| path.starts_with("short")), "{new:?}");
+    assert_eq!(rows(&desk.read("results/tiny/cases.csv")).len(), 6);
+    assert_eq!(rows(&desk.read("results/tiny/short/cases.csv")).len(), 4);
+    assert!(desk.path("results/tiny/short/report.html").exists());
+}
+
 #[test]
 fn blocks_share_their_seed_and_nothing_else() {
     let desk = Desk::with(&[("study.toml", &study(ARMS))]);

@@ -6,6 +6,7 @@ use super::range::{NOT_NEGATIVE, POSITIVE, Range, at_least, within};
 use super::study::{BlockSpec, DEFAULT_PROFILE, ExpectSpec, MeasureSpec, ProfileSpec, SweepSpec};
 use super::{Spec, SpecError, StudySpec};
 use crate::claims::Claim;
+use crate::store::FOLDERS;
 use crate::tables::OWN_COLUMNS;
 
 /// Every number of a study with a range, by its key; a profile's `blocks` and `measure` have the same.
@@ -143,6 +144,12 @@ impl StudySpec {
     fn check_profile(&self, name: &str, profile: &ProfileSpec) -> Result<(), SpecError> {
         let key = format!("profile.{name}");
         let place = |inner: &str| format!("`{key}.{inner}`");
+        // It becomes the name of a folder beside those of the study.
+        check_name(&format!("`{key}`"), name)?;
+        if FOLDERS.contains(&name) {
+            let message = format!("has the name of a folder of results ({})", FOLDERS.join(", "));
+            return refuse(format!("`{key}`"), format!("{message}; give it another"));
+        }
         if profile.arms.as_ref().is_some_and(Vec::is_empty) {
             return refuse(place("arms"), "is empty; name the arms to run, or leave it out to run all");
         }
