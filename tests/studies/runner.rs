@@ -5,6 +5,7 @@ mod reports;
 mod resuming;
 mod scenes;
 mod tables;
+mod verdicts;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

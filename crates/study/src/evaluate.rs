@@ -39,7 +39,7 @@ pub struct Judged {
 }
 
 /// Judges the claims and the controls of a study, each a family of its own. A claim with an arm that the profile leaves out
-/// is left out.
+/// is left out, but still a member of its family: what was run does not make the family smaller.
 ///
 /// # Errors
 /// Frames that cannot be read.
@@ -48,20 +48,17 @@ pub fn assess_claims(archive: &Archive, results: &[CaseResult]) -> anyhow::Resul
     let gates = gates(archive, results)?;
     let mut judged = Vec::new();
     for (family, claims) in [("claim", &spec.claim), ("control", &spec.control)] {
-        let mut members = Vec::new();
-        for claim in claims {
-            if claim.arms().iter().all(|arm| results.iter().any(|r| r.case.arm == *arm)) {
-                members.push((claim.clone(), observations(archive, results, claim, gates.conditions)?));
-            }
-        }
+        let observed = |claim: &Claim| observations(archive, results, claim, gates.conditions);
+        let members: Vec<(Claim, Observations)> = claims
+            .iter()
+            .map(|claim| Ok((claim.clone(), observed(claim)?)))
+            .collect::<Result<_, CaseError>>()?;
         let assessments = assess_family(&members, Resampling::standard(RESAMPLING_SEED))?;
-        let claims = members.into_iter().map(|(claim, _)| claim);
-        judged.extend(claims.zip(assessments).map(|(claim, assessment)| Judged {
-            family,
-            claim,
-            assessment,
-        }));
+        let all = members.into_iter().zip(assessments);
+        judged.extend(all.map(|((claim, _), assessment)| Judged { family, claim, assessment }));
     }
+    let run = archive.study.arms();
+    judged.retain(|judged| judged.claim.arms().iter().all(|arm| run.contains(arm)));
     Ok((judged, gates))
 }
 
