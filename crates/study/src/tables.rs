@@ -323,7 +323,7 @@ pub fn groups(results: &[CaseResult]) -> Vec<Vec<&CaseResult>> {
 
 /// `claims`: one row a claim.
 pub fn claims(judged: &[Judged]) -> Table {
-    let rows = judged.iter().map(|Judged { family, claim, assessment: a }| {
+    let rows = judged.iter().map(|Judged { family, claim, primary, assessment: a, .. }| {
         let e = &a.evidence;
         let lower = |i: Option<Interval>| i.map(|i| i.lower);
         let upper = |i: Option<Interval>| i.map(|i| i.upper);
@@ -331,6 +331,7 @@ pub fn claims(judged: &[Judged]) -> Table {
         row.put("family", "-", "claim or control", *family)
             .put("claim", "-", "id of the claim", a.claim.as_str())
             .put("sentence", "-", "what is claimed, in our words", claim.sentence.as_str())
+            .put("primary", "-", "metric of the endpoint A, by the calibration", primary.to_string().as_str())
             .put("verdict", "-", "by the mechanical rule", a.verdict.to_string().as_str())
             .count("blocks", "complete blocks", e.blocks as u64)
             .count("lost_blocks", "blocks dropped because a case in them was lost", a.lost_blocks as u64)

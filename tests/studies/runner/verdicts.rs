@@ -10,6 +10,40 @@ sentence = "Snow breaks into more pieces than an elastic ball."
 contrast = { paired = { treated = "random", control = "elastic" } }
 "#;
 
+/// Each claim and control is calibrated by itself: arms of the same particles agree, a lattice holds together at stretches
+/// at which random points of the same number fall apart.
+#[test]
+fn arms_that_seem_to_break_at_other_stretches_are_compared_by_flood_fill() {
+    let text = study(&[ARMS, &OTHER_CLAIM.replace("claim", "control")].concat());
+    let desk = Desk::with(&[("study.toml", &text)]);
+    desk.expect(0, "run study.toml --jobs 2");
+    let printed = desk.expect(0, "report study.toml");
+    let claims = rows(&desk.read("results/tiny/claims.csv"));
+    let primaries: Vec<_> =
+        claims.iter().map(|row| [row["claim"].as_str(), row["primary"].as_str()]).collect();
+    assert_eq!(primaries, [["irregular-breaks-more", "flood fill"], ["elastic-holds", "friends-of-friends"]]);
+    assert!(printed.contains("measured by flood fill; calibration by stretch does not agree"), "{printed}");
+    assert!(
+        printed.contains("calibration by stretch agrees at 300 particles, medians over 2 blocks: elastic")
+    );
+    assert!(printed.contains("figures/calibration.png"), "{printed}");
+}
+
+/// Twelve blocks are enough for a verdict, but nobody has asked at which speed the ball breaks.
+#[test]
+fn a_study_without_a_pilot_says_so() {
+    let text = study(&[ARMS, OTHER_CLAIM].concat()).replace("count = 2\n", "count = 12\n");
+    let desk = Desk::with(&[("study.toml", &text.replace("end = 1.0", "end = 0.5"))]);
+    desk.expect(0, "run study.toml --jobs 2");
+    let printed = desk.expect(0, "report study.toml");
+    let claims = rows(&desk.read("results/tiny/claims.csv"));
+    let elastic = claims.iter().find(|row| row["claim"] == "elastic-holds").unwrap();
+    assert_eq!(elastic["verdict"], "inconclusive (no pilot)");
+    assert_eq!(elastic["explanation"], "no pilot has looked for a speed at which the ball breaks");
+    assert!(printed.contains("operating point: the study names no pilot"), "{printed}");
+    assert!(printed.contains("noise floor: the study names no arm that nothing can break"), "{printed}");
+}
+
 /// Two ids: intervals of 1 - 0.05/2, though the profile runs the arms of one claim only.
 #[test]
 fn a_family_is_as_large_as_the_file_says() {

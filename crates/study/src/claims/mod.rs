@@ -25,6 +25,8 @@ pub use limits::{
     BROKEN_DAMAGE, CHECK_BLOCKS, CLAMP_SHARE, DAMPING_RATIO, ERROR_RATE, LOST_SHARE, MINIMUM_BLOCKS,
     SMALLEST_RATIO, UNBROKEN_SHARE, UNSETTLED_SHARE, smallest_effect,
 };
-pub use observations::{ArmValue, CaseStatus, Check, Conditions, Observations};
+pub use observations::{
+    ArmValue, Calibration, CaseStatus, Check, Conditions, NoiseFloor, Observations, OperatingPoint, Primary,
+};
 pub use scope::{Direction, ScopeReading, direction};
 pub use verdict::{Finding, FloorCause, MetricFault, NotRun, Reason, Refutation, Verdict};

@@ -91,7 +91,10 @@ pub fn report(arguments: &StudyArguments) -> anyhow::Result<Exit> {
     );
     let (judged, gates) = assess_claims(&archive, &results)?;
     write_tables(&archive, &results, &[tables::claims(&judged)])?;
-    judged.iter().for_each(|judged| println!("{}", judged.assessment));
+    for judged in &judged {
+        println!("{}", judged.assessment);
+        println!("  measured by {}; calibration by stretch {}", judged.primary, judged.calibration);
+    }
     gates.words.iter().for_each(|line| println!("{line}"));
     if missing > 0 {
         eprintln!("{missing} cases have not been run; run `snowlab run` to complete the study");

@@ -127,7 +127,11 @@ fn verdict(findings: Findings, judged: &crate::evaluate::Judged) -> ReportVerdic
             Verdict::Inconclusive(_) => ReportOutcome::Inconclusive,
             Verdict::NotRun(_) => ReportOutcome::NotRun,
         },
-        conditions: vec![contrast(findings, &judged.claim.contrast), judged.assessment.explanation.clone()],
+        conditions: vec![
+            contrast(findings, &judged.claim.contrast),
+            judged.assessment.explanation.clone(),
+            format!("measured by {}; calibration by stretch {}", judged.primary, judged.calibration),
+        ],
     }
 }
 

@@ -5,6 +5,7 @@ mod curves;
 mod endpoints;
 mod energies;
 mod pilot;
+mod stretch;
 
 pub use claims::contrast;
 pub use pilot::operating_point;
@@ -33,6 +34,7 @@ pub fn all(findings: Findings) -> anyhow::Result<Vec<Titled>> {
         endpoints::endpoints(&arms)?,
         endpoints::distributions(&arms)?,
         curves::links(findings, &arms)?,
+        stretch::stretch(findings)?,
         curves::histories(&arms)?,
         energies::energies(findings)?,
         curves::trend(findings)?,
