@@ -40,8 +40,10 @@ pub fn page(
     figures: Vec<ReportFigure>,
 ) -> Result<String, ReportError> {
     let spec = &findings.archive.study.spec;
-    let mut caveats = findings.gates.words.clone();
-    caveats.insert(0, "PS17 gives no grid spacing, time step, speed or friction: a claim that is refuted here is not reproduced under these conditions.".into());
+    let mut caveats = spec.caveats.clone();
+    if !findings.judged.is_empty() {
+        caveats.extend(findings.gates.words.iter().cloned());
+    }
     caveats.extend(pilot_words(findings));
     let data = ReportData {
         title: spec.name.clone(),

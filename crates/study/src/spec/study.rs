@@ -17,6 +17,9 @@ pub struct StudySpec {
     pub name: String,
     /// The question it answers, in a sentence or two.
     pub question: String,
+    /// What a reader of the report must know before the verdicts.
+    #[serde(default)]
+    pub caveats: Vec<String>,
     /// The scene that arms and sweeps vary.
     pub scene: toml::Table,
     /// Blocks: seeds shared by the arms of a comparison.
