@@ -1,5 +1,6 @@
 //! The command on tiny studies and scenes: 2D, a few hundred particles, a few dozen steps.
 
+mod broken_results;
 mod exit_codes;
 mod reports;
 mod resuming;

@@ -38,7 +38,7 @@ pub struct Frame<const D: usize> {
 #[derive(Debug, Error)]
 pub enum FramesError {
     /// It cannot be read.
-    #[error("{}: cannot be read ({source})", path.display())]
+    #[error("{}: cannot be read; delete the case's folder and run the study again", path.display())]
     Read {
         /// The file.
         path: PathBuf,

@@ -35,7 +35,7 @@ pub const PANIC: &str = "panic.json";
 #[derive(Debug, Error)]
 pub enum StoreError {
     /// The disk said no.
-    #[error("{}: {source}; check space and permissions, then run the same command again: finished cases are kept", path.display())]
+    #[error("{}: cannot be written or read; check space and permissions, then run the same command again: finished cases are kept", path.display())]
     Io {
         /// The file.
         path: PathBuf,

@@ -47,7 +47,13 @@ fn two_where_the_input_is_bad() {
         ("simulate bad.toml --out x", "bad.toml: `body.0.region.radius`: is -0.25"),
         ("sample bad.toml -o x.csv", "bad.toml: `body.0.region.radius`: is -0.25"),
         ("sample scene.toml -o points.xyz", "use .csv or .ply"),
-        ("fragments nowhere.csv --link 0.1", "nowhere.csv"),
+        (
+            "fragments nowhere.csv --link 0.1",
+            "snowlab: nowhere.csv: No such file or directory (os error 2)\n",
+        ),
+        ("fragments nowhere.csv --link 0", "snowlab: `--link` is 0.0; allowed: above 0"),
+        ("fragments nowhere.csv --link -1", "snowlab: `--link` is -1.0; allowed: above 0"),
+        ("fragments nowhere.csv --link 1 --min-mass-share -1", "`--min-mass-share` is -1.0; allowed: 0 to 1"),
         ("report study.toml", "nothing has been run"),
         ("check study.toml", "has not been run"),
     ] {

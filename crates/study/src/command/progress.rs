@@ -9,6 +9,8 @@ use snowlab_study::schedule::Progress;
 use snowlab_study::store::StoreError;
 use snowlab_study::sweep::Case;
 
+use super::in_full;
+
 /// Time between plain lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(10);
 /// Resolution of the bar.
@@ -69,7 +71,7 @@ impl Progress for Bar {
 
     fn finished(&self, case: &Case, result: Result<(), &StoreError>) {
         if let Err(error) = result {
-            let line = format!("{} block {}: {error}", case.arm, case.block);
+            let line = format!("{} block {}: {}", case.arm, case.block, in_full(error));
             match &self.bar {
                 Some(bar) => bar.suspend(|| eprintln!("{line}")),
                 None => eprintln!("{line}"),

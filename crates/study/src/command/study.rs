@@ -13,7 +13,7 @@ use snowlab_study::table::{Table, dictionary};
 use snowlab_study::{check as expectations, tables};
 
 use super::progress::Bar;
-use super::{Exit, StudyArguments};
+use super::{Exit, StudyArguments, in_full};
 
 struct Opened {
     study: Study,
@@ -64,7 +64,7 @@ pub fn run(arguments: &StudyArguments, jobs: Option<usize>) -> anyhow::Result<Ex
     };
     for (index, error) in failures {
         let case = &study.cases[index];
-        eprintln!("failed: {} block {}: {:#}", case.arm, case.block, anyhow::Error::from(error));
+        eprintln!("failed: {} block {}: {}", case.arm, case.block, in_full(&error));
         unstored += 1;
     }
     let results = archive.results()?;
