@@ -44,8 +44,8 @@ fn two_where_the_input_is_bad() {
         ("run study.toml --profile fast", "study.toml: profile `fast`"),
         ("run scene.toml", "scene.toml: line 4, `body`: unknown key"),
         ("simulate study.toml --out x", "`arm`: unknown key"),
-        ("simulate bad.toml --out x", "bad.toml: `body.0.region.radius`: is -0.25"),
-        ("sample bad.toml -o x.csv", "bad.toml: `body.0.region.radius`: is -0.25"),
+        ("simulate bad.toml --out x", "bad.toml: line 5, `body.0.region.radius`: is -0.25"),
+        ("sample bad.toml -o x.csv", "bad.toml: line 5, `body.0.region.radius`: is -0.25"),
         ("sample scene.toml -o points.xyz", "use .csv or .ply"),
         (
             "fragments nowhere.csv --link 0.1",
