@@ -208,6 +208,11 @@ const TABLE: &[Refused] = &[
     // Expectations.
     refused(
         END,
+        "[[arm]]\nid = \"two\"\n[[expect]]\nmetric = \"digest\"\nrange = [0.0, 1.0]\nwhy = \"w\"\n",
+        &["`expect.0.metric`", "\"digest\"", "a numeric column of `cases.csv`"],
+    ),
+    refused(
+        END,
         "[[arm]]\nid = \"two\"\n[[expect]]\nmetric = \"damage\"\nrange = [1.0, 0.0]\nwhy = \"w\"\n",
         &["`expect.0.range`", "[1.0, 0.0]", "least first"],
     ),
@@ -309,10 +314,20 @@ fn a_path_without_end_is_refused() {
     hold_message(&message, "a long path", &["arm `two`, path `a.a.a", "more than 32 parts"]);
 }
 
-/// A metric can be known to be none only once there are results, of which there are none here: nothing to refuse.
+/// What a profile leaves out on purpose is not missed; what it should have run is.
 #[test]
-fn expectations_are_asked_of_results() {
+fn an_expectation_that_no_case_is_there_for_is_not_met() {
+    let expect = "[[expect]]\nmetric = \"damage\"\narms = [\"two\"]\nrange = [0.0, 1.0]\nwhy = \"w\"\n";
+    let text = format!("{STUDY}{expect}[profile.part]\narms = [\"one\"]\n");
+    let found = |profile| check(&Study::expand(spec::parse(&text).unwrap(), profile).unwrap(), &[]);
+    let whole = found(None);
+    assert!(!whole[0].holds && whole[0].line.contains("`damage` matches no case"), "{whole:?}");
+    assert_eq!(found(Some("part")), []);
+}
+
+#[test]
+fn a_message_names_the_line_of_a_metric_that_is_none() {
     let text = format!("{STUDY}[[expect]]\nmetric = \"damages\"\nrange = [0.0, 1.0]\nwhy = \"w\"\n");
-    let study = Study::expand(spec::parse(&text).unwrap(), None).unwrap();
-    assert_eq!(check(&study, &[]).unwrap(), []);
+    let message = spec::parse::<StudySpec>(&text).unwrap_err().to_string();
+    hold_message(&message, "damages", &["line 23, `expect.0.metric`", "\"damages\"", "such as damage"]);
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use snowlab_study::tables::OWN_COLUMNS;
+use snowlab_study::tables::{CASE_NUMBERS, OWN_COLUMNS};
 
 use super::{ARMS, Desk, STOPPING_ARM, rows, study};
 
@@ -67,6 +67,19 @@ fn a_profile_leaves_the_tables_of_the_study_alone() {
     assert_eq!(rows(&desk.read("results/tiny/cases.csv")).len(), 6);
     assert_eq!(rows(&desk.read("results/tiny/short/cases.csv")).len(), 4);
     assert!(desk.path("results/tiny/short/report.html").exists());
+}
+
+/// What an expectation can be held against: the columns in which every entry that is there is a number.
+#[test]
+fn the_numeric_columns_of_cases_are_known() {
+    let desk = Desk::with(&[("study.toml", &study(ARMS))]);
+    desk.expect(0, "run study.toml --jobs 2");
+    let text = desk.read("results/tiny/cases.csv");
+    let cases = rows(&text);
+    let numeric = |column: &&str| cases.iter().all(|case| case[*column].parse::<f64>().is_ok());
+    let mut found: Vec<&str> = text.lines().next().unwrap().split(',').filter(numeric).collect();
+    found.sort_unstable();
+    assert_eq!(found, CASE_NUMBERS);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use super::study::{BlockSpec, DEFAULT_PROFILE, ExpectSpec, MeasureSpec, ProfileS
 use super::{Spec, SpecError, StudySpec};
 use crate::claims::Claim;
 use crate::store::FOLDERS;
-use crate::tables::OWN_COLUMNS;
+use crate::tables::{CASE_NUMBERS, OWN_COLUMNS};
 
 /// Every number of a study with a range, by its key; a profile's `blocks` and `measure` have the same.
 pub const RULES: &[(&str, Range)] = &[
@@ -127,6 +127,7 @@ impl StudySpec {
             let message = format!("is [{least:?}, {greatest:?}]; allowed: [least, greatest], least first");
             return refuse(place("range"), message);
         }
+        self.check_metric(place("metric"), &expect.metric)?;
         expect.arms.iter().try_for_each(|id| self.check_arm(place("arms"), id))?;
         for name in &expect.profiles {
             if name != DEFAULT_PROFILE && !self.profile.contains_key(name) {
@@ -139,6 +140,21 @@ impl StudySpec {
             }
         }
         Ok(())
+    }
+
+    fn check_metric(&self, place: String, metric: &str) -> Result<(), SpecError> {
+        let axes = self.sweep.iter().map(|axis| axis.name.as_str());
+        let known: Vec<&str> = CASE_NUMBERS.into_iter().chain(axes).collect();
+        if known.contains(&metric) {
+            return Ok(());
+        }
+        let alike = |name: &str| name.chars().zip(metric.chars()).take_while(|(a, b)| a == b).count();
+        let most = known.iter().map(|name| alike(name)).max().unwrap_or(0);
+        // Those that begin most like it: perhaps one of them is meant.
+        let nearest: Vec<&str> = known.into_iter().filter(|name| most > 0 && alike(name) == most).collect();
+        let hint =
+            if nearest.is_empty() { String::new() } else { format!(", such as {}", nearest.join(", ")) };
+        refuse(place, format!("is \"{metric}\"; allowed: a numeric column of `cases.csv`{hint}"))
     }
 
     fn check_profile(&self, name: &str, profile: &ProfileSpec) -> Result<(), SpecError> {
