@@ -36,9 +36,16 @@ mutants: ## put known bugs into copies of the code and expect the tests to fail
 bench: ## time a step of the solver
 	$(CARGO) bench --locked --workspace
 
-report: ## write the reports of all studies that have been run
-	$(SNOWLAB) report studies/placement.toml
-	$(SNOWLAB) report studies/pilot.toml
+report: ## write the reports of the studies that have been run
+	@for target in study:placement pilot:pilot; do \
+		study=$${target#*:}; \
+		plan=$$($(SNOWLAB) plan studies/$$study.toml) || exit; \
+		if echo "$$plan" | grep -q '^finished'; then \
+			$(SNOWLAB) report studies/$$study.toml || exit; \
+		else \
+			echo "$$study has not been run; \`make $${target%:*}\` runs it"; \
+		fi; \
+	done
 
 clean: ## delete the cases of all studies (tables, figures and reports stay) and the build
 	rm -rf results/*/cases

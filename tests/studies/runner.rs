@@ -2,6 +2,7 @@
 
 mod broken_results;
 mod exit_codes;
+mod makefile;
 mod reports;
 mod resuming;
 mod scenes;
