@@ -81,6 +81,8 @@ pub fn assess_family(
     Ok(assessments)
 }
 
+/// For controls of several contrasts, such as voids against three solid balls of equal mass.
+///
 /// The verdict of "each of these is so": refuted if one is refuted, else not-run if one is not run, else
 /// inconclusive if one is, else supported; the first such verdict speaks. `None` for no verdicts.
 pub fn all_of(verdicts: &[Verdict]) -> Option<Verdict> {
