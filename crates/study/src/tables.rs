@@ -1,6 +1,7 @@
 //! The tables of a study.
 
 use crate::assemble::Made;
+use crate::claims::CheckReading;
 use crate::evaluate::Judged;
 use crate::results::{Archive, CaseResult};
 use crate::schedule::Clock;
@@ -371,6 +372,7 @@ pub fn claims(judged: &[Judged]) -> Table {
         let e = &a.evidence;
         let lower = |i: Option<Interval>| i.map(|i| i.lower);
         let upper = |i: Option<Interval>| i.map(|i| i.upper);
+        let checks = a.checks.iter().map(CheckReading::to_string).collect::<Vec<_>>().join("; ");
         let mut row = Row::default();
         row.put("family", "-", "claim or control", *family)
             .put("claim", "-", "id of the claim", a.claim.as_str())
@@ -391,6 +393,12 @@ pub fn claims(judged: &[Judged]) -> Table {
             .put("p", "-", "sign flips or permutations within blocks", e.p_value)
             .put("p_holm", "-", "adjusted over the family by Holm", e.p_holm)
             .put("cliffs_delta", "-", "Cliff's delta of the extreme arms, descriptive", e.cliffs_delta)
+            .put(
+                "checks",
+                "ln N_eff",
+                "the effect as measured otherwise, and in how many blocks",
+                checks.as_str(),
+            )
             .put("explanation", "-", "the rule that decided, with its numbers", a.explanation.as_str());
         row
     });

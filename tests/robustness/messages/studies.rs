@@ -40,6 +40,37 @@ const TABLE: &[Refused] = &[
     // Arms.
     refused("\"two\"", "\"one\"", &["`arm.1.id`", "\"one\"", "stands twice", "its own id"]),
     refused("[[arm]]\nid = \"one\"\n[[arm]]\nid = \"two\"\n", "[profile]\n", &["`arm` is missing"]),
+    // Checks.
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ncheck = { of = \"three\", by = \"half-step\" }\n",
+        &["line 22, `arm.1.check`", "\"three\"", ARMS],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ncheck = { of = \"two\", by = \"half-step\" }\n",
+        &["`arm.1.check`", "\"two\"", "a check itself"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"half-step\" }\n",
+        &["arm `two`, `check`", "nothing is changed", "`wave_courant`"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"other-transfer\" }\nset = { \"numerics.transfer\" = \"apic\", \"numerics.spacing\" = 0.1 }\n",
+        &["arm `two`, `check`", "more is changed", "`numerics.transfer`"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"quarter-step\" }\n",
+        &["`arm.1.check.by`", "`quarter-step`", "`half-step`"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"half-step\" }\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { range = { arms = [\"one\", \"two\"] } }\n",
+        &["`claim.0.contrast`", "\"two\"", "only checks another"],
+    ),
     // The scene, as each arm has it.
     refused("spacing = 0.05\n[[scene", "[[scene", &["arm `one`", "`numerics`", "`spacing` is missing"]),
     refused("radius = 0.25", "radius = -1.0", &["arm `one`", "`body.0.region.radius`", "is -1.0", "above 0"]),

@@ -44,6 +44,38 @@ fn a_study_without_a_pilot_says_so() {
     assert!(printed.contains("noise floor: the study names no arm that nothing can break"), "{printed}");
 }
 
+/// Half the step and the other transfer are arms of the study, which count for the claims whose arms they run again.
+#[test]
+fn check_arms_are_the_checks_of_their_claims() {
+    let rerun = |of: &str, by: &str, set: &str| {
+        let check = format!("check = {{ of = \"{of}\", by = \"{by}\" }}");
+        format!("[[arm]]\nid = \"{of}-{by}\"\n{check}\nset = {{ {set} }}\n")
+    };
+    let half = "\"numerics.wave_courant\" = 0.1, \"numerics.advective_courant\" = 0.1";
+    let apic = "\"numerics.transfer\" = \"apic\"";
+    let reruns = [
+        rerun("random", "half-step", half),
+        rerun("elastic", "half-step", half),
+        rerun("random", "other-transfer", apic),
+    ];
+    let text = study(&[ARMS, &reruns.concat(), OTHER_CLAIM].concat());
+    let desk = Desk::with(&[("study.toml", &text)]);
+    desk.expect(0, "run study.toml --jobs 2");
+    desk.expect(0, "report study.toml");
+    // The elastic arm's check is elastic too: its own `set` stands behind that of the arm it checks.
+    let cases = rows(&desk.read("results/tiny/cases.csv"));
+    let case = |arm: &str| cases.iter().find(|case| case["arm"] == arm).unwrap();
+    assert_eq!(case("elastic-half-step")["plastic_loss"], "0.0");
+    let steps = |arm: &str| case(arm)["steps"].parse::<f64>().unwrap();
+    assert!(steps("elastic-half-step") > 1.5 * steps("elastic"), "its steps are shorter");
+    let claims = rows(&desk.read("results/tiny/claims.csv"));
+    let checks = |id: &str| claims.iter().find(|row| row["claim"] == id).unwrap()["checks"].clone();
+    let made = checks("elastic-holds");
+    assert!(made.contains("dt/2") && made.contains("(n = 2)"), "{made}");
+    assert!(!made.contains("other transfer"), "one arm's alone says nothing: {made}");
+    assert!(!checks("irregular-breaks-more").contains("dt/2"), "the lattice has not been run again");
+}
+
 /// Two ids: intervals of 1 - 0.05/2, though the profile runs the arms of one claim only.
 #[test]
 fn a_family_is_as_large_as_the_file_says() {

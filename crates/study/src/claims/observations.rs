@@ -4,6 +4,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::limits::CLAMP_SHARE;
+use crate::spec::study::Rerun;
 
 /// How a case ended, as far as a claim asks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -168,6 +169,15 @@ impl Check {
         Self::HalfStep,
         Self::OtherTransfer,
     ];
+}
+
+impl From<Rerun> for Check {
+    fn from(by: Rerun) -> Self {
+        match by {
+            Rerun::HalfStep => Self::HalfStep,
+            Rerun::OtherTransfer => Self::OtherTransfer,
+        }
+    }
 }
 
 impl fmt::Display for Check {

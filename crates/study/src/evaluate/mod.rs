@@ -84,7 +84,8 @@ fn observations(
 ) -> Result<Observations, CaseError> {
     let mut rows = Vec::new();
     let mut checks: BTreeMap<Check, Vec<ArmValue>> = BTreeMap::new();
-    for block in blocks_of(results, claim).values() {
+    let blocks = blocks_of(results, claim);
+    for block in blocks.values() {
         let count = equal_count(block);
         for result in block {
             let measured = remeasure(archive, result, count, calibration.primary())?;
@@ -96,6 +97,17 @@ fn observations(
             for (check, value) in measured.iter().flat_map(|m| m.checks) {
                 checks.entry(check).or_default().push(arm_value(result, Some(value), true));
             }
+        }
+    }
+    // Arms that run one of the claim's arms again speak for it in the check.
+    for result in results {
+        let Some(check) = archive.study.spec.check_of(&result.case.arm) else { continue };
+        let Some(block) = blocks.get(&result.case.block) else { continue };
+        if claim.arms().contains(&check.of.as_str()) {
+            let measured = remeasure(archive, result, equal_count(block), calibration.primary())?;
+            let whole = measured.as_ref().is_none_or(|m| m.whole);
+            let value = arm_value(result, measured.map(|m| m.primary), whole);
+            checks.entry(check.by.into()).or_default().push(ArmValue { arm: check.of.clone(), ..value });
         }
     }
     let conditions =

@@ -117,6 +117,13 @@ fn verdict(findings: Findings, judged: &crate::evaluate::Judged) -> ReportVerdic
     };
     let intervals: Vec<String> =
         [pair("t", evidence.interval_t), pair("BCa", evidence.interval_bca)].into_iter().flatten().collect();
+    let checks: Vec<String> = judged.assessment.checks.iter().map(ToString::to_string).collect();
+    let measured = format!("measured by {}; calibration by stretch {}", judged.primary, judged.calibration);
+    let mut conditions =
+        vec![contrast(findings, &judged.claim.contrast), judged.assessment.explanation.clone(), measured];
+    if !checks.is_empty() {
+        conditions.push(format!("measured otherwise: {}", checks.join("; ")));
+    }
     ReportVerdict {
         claim: judged.claim.id.clone(),
         sentence: judged.claim.sentence.clone(),
@@ -129,11 +136,7 @@ fn verdict(findings: Findings, judged: &crate::evaluate::Judged) -> ReportVerdic
             Verdict::Inconclusive(_) => ReportOutcome::Inconclusive,
             Verdict::NotRun(_) => ReportOutcome::NotRun,
         },
-        conditions: vec![
-            contrast(findings, &judged.claim.contrast),
-            judged.assessment.explanation.clone(),
-            format!("measured by {}; calibration by stretch {}", judged.primary, judged.calibration),
-        ],
+        conditions,
     }
 }
 

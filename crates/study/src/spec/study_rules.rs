@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::range::{NOT_NEGATIVE, POSITIVE, Range, at_least, within};
-use super::study::{BlockSpec, DEFAULT_PROFILE, ExpectSpec, MeasureSpec, ProfileSpec, SweepSpec};
+use super::study::{BlockSpec, CheckSpec, DEFAULT_PROFILE, ExpectSpec, MeasureSpec, ProfileSpec, SweepSpec};
 use super::{Spec, SpecError, StudySpec};
 use crate::claims::Claim;
 use crate::store::FOLDERS;
@@ -58,8 +58,23 @@ impl StudySpec {
                 check_number(&format!("arm.{number}.blocks"), "arm.*.blocks", count as f64)?;
             }
             self.check_seed_is_not_set(&format!("arm.{number}.set"), arm.set.keys())?;
+            if let Some(check) = &arm.check {
+                let repeated = self.arm[..number].iter().any(|before| before.check.as_ref() == Some(check));
+                self.check_check(&format!("`arm.{number}.check`"), check, repeated)?;
+            }
             // It becomes the name of a file.
             arm.picture.iter().try_for_each(|name| check_name(&format!("`arm.{number}.picture`"), name))?;
+        }
+        Ok(())
+    }
+
+    fn check_check(&self, place: &str, check: &CheckSpec, repeated: bool) -> Result<(), SpecError> {
+        self.check_arm(place.into(), &check.of)?;
+        if self.arm.iter().any(|arm| arm.id == check.of && arm.check.is_some()) {
+            return refuse(place, format!("is of \"{}\", which is a check itself", check.of));
+        }
+        if repeated {
+            return refuse(place, format!("is of \"{}\" by what an arm before checks already", check.of));
         }
         Ok(())
     }
@@ -84,6 +99,11 @@ impl StudySpec {
         }
         let known: Vec<&str> = self.arm.iter().map(|arm| arm.id.as_str()).collect();
         refuse(place, format!("names the arm \"{id}\"; the study has: {}", known.join(", ")))
+    }
+
+    /// What the arm checks, if it is a check.
+    pub fn check_of(&self, id: &str) -> Option<&CheckSpec> {
+        self.arm.iter().find(|arm| arm.id == id).and_then(|arm| arm.check.as_ref())
     }
 
     fn check_sweep(&self) -> Result<(), SpecError> {
@@ -113,6 +133,10 @@ impl StudySpec {
         let place = format!("`{family}.{number}.contrast`");
         claim.validate().or_else(|error| refuse(&place, error.to_string()))?;
         claim.arms().into_iter().try_for_each(|id| self.check_arm(place.clone(), id))?;
+        if let Some(id) = claim.arms().into_iter().find(|id| self.check_of(id).is_some()) {
+            let message = format!("names the arm \"{id}\", which only checks another; name that one");
+            return refuse(place, message);
+        }
         if self.sweep.iter().any(|axis| axis.values.len() > 1) {
             let message = "compares arms, which a sweep runs more than once in a block; leave out [[sweep]]";
             return refuse(place, message);

@@ -18,7 +18,8 @@ use crate::tables::{groups, usable};
 
 use super::{Findings, Titled, drawn};
 
-/// Cases of the arms that are compared: not those of the noise floor, nor those that only make a picture.
+/// Cases of the arms that are compared: not those of the noise floor or of a check, nor those that only make a
+/// picture.
 struct Arms<'a> {
     labels: Vec<String>,
     cases: Vec<Vec<&'a CaseResult>>,
@@ -53,7 +54,7 @@ impl<'a> Arms<'a> {
         let most = groups.iter().map(Vec::len).max().unwrap_or(0);
         for group in groups {
             let id = group[0].case.arm.as_str();
-            let floor = spec.noise_floor.iter().any(|arm| arm == id);
+            let floor = spec.noise_floor.iter().any(|arm| arm == id) || spec.check_of(id).is_some();
             let only_pictured = group.len() == 1 && most > 1 && !judged.contains(&id);
             let cases: Vec<&CaseResult> = group.iter().copied().filter(|result| usable(result)).collect();
             if !floor && !only_pictured && !cases.is_empty() {
