@@ -1,6 +1,8 @@
 //! Gate, equal counts, spread and sizes.
 
 use crate::support::{RADIUS, SPACING, ball, masses, permutation};
+use rand::Rng;
+use snowlab_sampler::{Purpose, Streams};
 use snowlab_solver::geometry::Vector;
 use snowlab_study::metrics::gate::DUST_CUT;
 use snowlab_study::metrics::sizes::distribution_at;
@@ -66,6 +68,11 @@ fn sixteen_random_subsets_are_even_and_named_by_their_seed() {
     // 800 draws, 200 expected in each quarter with a standard deviation of 11.
     assert!(drawn.iter().all(|&n| (150..250).contains(&n)), "{drawn:?}");
     assert_ne!(subsets[0], subsets[1]);
+    // They come from the block's own stream for this purpose, as the first word of a subset of one shows.
+    let word = Streams::new(9).stream(Purpose::Thinning).next_u64();
+    let first = ((u128::from(word) * ids.len() as u128) >> 64) as usize;
+    let alone = Thinning::RandomSubsets { seed: 9 }.subsets(&ids, 1).unwrap();
+    assert_eq!(alone[0], [first]);
     assert_eq!(subsets, Thinning::RandomSubsets { seed: 9 }.subsets(&ids, 50).unwrap());
     assert_ne!(subsets, Thinning::RandomSubsets { seed: 10 }.subsets(&ids, 50).unwrap());
     // Shuffled memory: the same particles.

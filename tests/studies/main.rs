@@ -4,6 +4,7 @@ mod claims;
 mod figures;
 mod input_page;
 mod notation;
+mod panics;
 mod report;
 mod runner;
 mod statistics;

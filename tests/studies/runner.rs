@@ -1,9 +1,13 @@
 //! The command on tiny studies and scenes: 2D, a few hundred particles, a few dozen steps.
 
+mod broken_results;
 mod exit_codes;
+mod makefile;
+mod reports;
 mod resuming;
 mod scenes;
 mod tables;
+mod verdicts;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

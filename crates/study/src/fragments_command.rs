@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use thiserror::Error;
 
+use crate::metrics::error::LENGTH_RANGE;
 use crate::metrics::{FragmentAnalysis, MetricError, friends_of_friends};
 use crate::points::{AnyPointCloud, PointCloud, PointsError, read_any};
 
@@ -52,18 +53,26 @@ pub enum FragmentsError {
     /// The file cannot be used.
     #[error(transparent)]
     Points(#[from] PointsError),
-    /// The metric refuses its points or the link.
-    #[error("{}: {source}", path.display())]
+    /// The metric refuses its points.
+    #[error("{}: {refusal}", path.display())]
     Metric {
         /// The file.
         path: PathBuf,
         /// What is refused.
-        source: MetricError,
+        refusal: MetricError,
+    },
+    /// The link is no length.
+    #[error(
+        "`--link` is {value:?}; allowed: above 0, at most {:e}: the distance within which points are joined, in \
+         their unit of length",
+        LENGTH_RANGE[1]
+    )]
+    Link {
+        /// The value given.
+        value: f64,
     },
     /// The least mass share is no share.
-    #[error(
-        "the least mass share of a fragment is {value}; allowed is 0 to 1, such as {DEFAULT_MIN_MASS_SHARE}"
-    )]
+    #[error("`--min-mass-share` is {value:?}; allowed: 0 to 1, such as {DEFAULT_MIN_MASS_SHARE}")]
     MinMassShare {
         /// The value given.
         value: f64,
@@ -82,6 +91,9 @@ pub fn fragments_of_file(
     link: f64,
     min_mass_share: f64,
 ) -> Result<FragmentReport, FragmentsError> {
+    if !(link > 0.0 && (LENGTH_RANGE[0]..=LENGTH_RANGE[1]).contains(&link)) {
+        return Err(FragmentsError::Link { value: link });
+    }
     if !(0.0..=1.0).contains(&min_mass_share) {
         return Err(FragmentsError::MinMassShare { value: min_mass_share });
     }
@@ -89,7 +101,7 @@ pub fn fragments_of_file(
         AnyPointCloud::Two(cloud) => (2, cloud.masses.is_some(), analyse(cloud, link)),
         AnyPointCloud::Three(cloud) => (3, cloud.masses.is_some(), analyse(cloud, link)),
     };
-    let analysis = analysis.map_err(|source| FragmentsError::Metric { path: path.into(), source })?;
+    let analysis = analysis.map_err(|refusal| FragmentsError::Metric { path: path.into(), refusal })?;
     let cut = least_mass_above(&analysis, min_mass_share);
     let mut sizes = analysis.particle_counts().to_vec();
     sizes.sort_unstable_by(|a, b| b.cmp(a));

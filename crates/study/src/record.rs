@@ -34,6 +34,16 @@ impl Outcome {
         }
     }
 
+    /// A case whose scene cannot be built. The same scene never can: it is not tried again.
+    pub fn not_built(message: String) -> Self {
+        Outcome::Stopped { reason: "not-built".into(), message }
+    }
+
+    /// A case in which the program made a mistake. It is tried again.
+    pub fn panicked(message: String) -> Self {
+        Outcome::Stopped { reason: "panic".into(), message }
+    }
+
     /// A stop by the solver.
     pub fn stopped(error: &SimulationError) -> Self {
         let reason = match error {
@@ -125,6 +135,31 @@ pub struct RunRecord {
 }
 
 impl RunRecord {
+    /// The record of a case that ended with `outcome` before it had a particle.
+    pub fn without_particles(outcome: Outcome) -> Self {
+        RunRecord {
+            outcome,
+            made: Made::default(),
+            time_unit: 0.0,
+            contact_time: None,
+            end_time: 0.0,
+            steps: 0,
+            particle_steps: 0,
+            mean_step: 0.0,
+            damping: 0.0,
+            rejected_steps: 0,
+            watchdog_restores: 0,
+            clamps: 0,
+            history: Vec::new(),
+            digest: String::new(),
+        }
+    }
+
+    /// Whether there were particles to run.
+    pub fn was_built(&self) -> bool {
+        self.made.particles > 0
+    }
+
     /// The record of a simulation that ended with `error`, or well.
     pub fn of<T: Real, const D: usize>(
         simulation: &Simulation<T, D>,

@@ -1,14 +1,16 @@
 //! The results of a study: every case with what it left on disk.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use crate::measure::{Metrics, measure};
-use crate::record::RunRecord;
+use crate::metrics::MetricError;
+use crate::record::{Outcome, RunRecord};
 use crate::run::{Observer, run_scene};
 use crate::spec::scene::PlacementSpec;
 use crate::spec::study::MeasureSpec;
 use crate::spec::{SceneSpec, SpecError};
-use crate::store::{CaseFolder, Store, StoreError, case_key, metric_key};
+use crate::store::{CaseFolder, PANIC, Store, StoreError, case_key, metric_key};
 use crate::sweep::{Case, Study};
 
 /// A case with its results.
@@ -22,12 +24,26 @@ pub struct CaseResult {
     pub record: RunRecord,
     /// Its fragments; `None` where the run stopped or could not be measured.
     pub metrics: Option<Metrics>,
+    /// Why it could not be measured.
+    pub unmeasured: Option<MetricError>,
 }
 
-/// A case that could not be run or stored.
+impl CaseResult {
+    /// Why the case cannot be used: the run stopped, could not be measured, or failed the gate.
+    pub fn failure(&self) -> Option<String> {
+        match (&self.record.outcome, &self.unmeasured, &self.metrics) {
+            (Outcome::Stopped { message, .. }, _, _) => Some(message.clone()),
+            (_, Some(error), _) => Some(error.to_string()),
+            (_, _, Some(metrics)) if !metrics.gate_valid => Some(metrics.gate.clone()),
+            _ => None,
+        }
+    }
+}
+
+/// A result that cannot be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum CaseError {
-    /// The scene cannot be built.
+    /// A file of particles that a scene names cannot be read.
     #[error(transparent)]
     Spec(#[from] SpecError),
     /// Results cannot be written or read.
@@ -63,7 +79,7 @@ impl<'a> Archive<'a> {
     /// # Errors
     /// A particle file that cannot be read.
     pub fn open(study: &'a Study, out: &Path, folder: &'a Path) -> Result<Self, CaseError> {
-        let store = Store::new(out, &study.spec.name);
+        let store = Store::new(out, &study.spec.name, &study.profile);
         let keys = study
             .cases
             .iter()
@@ -87,30 +103,48 @@ impl<'a> Archive<'a> {
         (0..self.keys.len()).filter(|&index| !self.case_folder(index).is_finished()).collect()
     }
 
-    /// Runs case number `index` and stores what it gives: frames first, the record last.
+    /// Runs case number `index` and stores what it gives: frames first, the record last. A case that cannot be built, or
+    /// in which the program panics, leaves a record that says so; after a panic the case still counts as missing.
     ///
     /// # Errors
-    /// [`CaseError`].
-    pub fn run(&self, index: usize, observer: &mut impl Observer) -> Result<(), CaseError> {
+    /// [`StoreError`].
+    pub fn run(&self, index: usize, observer: &mut impl Observer) -> Result<(), StoreError> {
         let scene = &self.study.cases[index].scene;
-        match scene.dimension {
-            3 => self.run_in::<3>(index, observer),
-            _ => self.run_in::<2>(index, observer),
+        let folder = self.case_folder(index);
+        // What a panic leaves half done is the observer's count of steps and files that no record vouches for.
+        let ended = catch_unwind(AssertUnwindSafe(|| match scene.dimension {
+            3 => self.run_in::<3>(scene, &folder, observer),
+            _ => self.run_in::<2>(scene, &folder, observer),
+        }));
+        match ended {
+            Ok(ended) => ended.and_then(|()| folder.forget_panic()),
+            Err(panic) => {
+                let record = RunRecord::without_particles(Outcome::panicked(words_of(panic.as_ref())));
+                folder.write_json("case.json", scene)?;
+                folder.write_json(PANIC, &record)
+            }
         }
     }
 
-    fn run_in<const D: usize>(&self, index: usize, observer: &mut impl Observer) -> Result<(), CaseError> {
-        let scene = &self.study.cases[index].scene;
-        let folder = self.case_folder(index);
-        let run = run_scene::<D>(scene, self.folder, observer)?;
+    fn run_in<const D: usize>(
+        &self,
+        scene: &SceneSpec,
+        folder: &CaseFolder,
+        observer: &mut impl Observer,
+    ) -> Result<(), StoreError> {
         folder.write_json("case.json", scene)?;
+        let run = match run_scene::<D>(scene, self.folder, observer) {
+            Ok(run) => run,
+            Err(error) => {
+                let record = RunRecord::without_particles(Outcome::not_built(error.to_string()));
+                return folder.write_json("run.json", &record);
+            }
+        };
         folder.write_frames(&run.frames)?;
-        let metrics = measure(&self.study.measure, scene, &run.frames, &run.record).ok();
-        if let Some(metrics) = metrics {
+        if let Ok(metrics) = measure(&self.study.measure, scene, &run.frames, &run.record) {
             folder.write_json(&metrics_file(&self.study.measure), &metrics)?;
         }
-        folder.write_json("run.json", &run.record)?;
-        Ok(())
+        folder.write_json("run.json", &run.record)
     }
 
     /// The results of case number `index`; frames are measured anew where the measurement has changed.
@@ -121,12 +155,26 @@ impl<'a> Archive<'a> {
         let case = self.study.cases[index].clone();
         let key = self.keys[index].clone();
         let folder = self.case_folder(index);
-        let Some(record) = folder.read_json::<RunRecord>("run.json")? else {
+        let Some(record) = folder.read_record()? else {
             return Err(CaseError::Missing { key, arm: case.arm, block: case.block });
         };
-        let stopped = matches!(record.outcome, crate::record::Outcome::Stopped { .. });
-        let metrics = if stopped { None } else { self.metrics(&folder, &case.scene, &record)? };
-        Ok(CaseResult { case, key, record, metrics })
+        let (metrics, unmeasured) = match record.outcome {
+            Outcome::Stopped { .. } => (None, None),
+            _ => match self.metrics(&folder, &case.scene, &record)? {
+                Ok(metrics) => (Some(metrics), None),
+                Err(error) => (None, Some(error)),
+            },
+        };
+        Ok(CaseResult { case, key, record, metrics, unmeasured })
+    }
+
+    /// The results of all cases that have left a record, a panic's among them.
+    ///
+    /// # Errors
+    /// [`CaseError`].
+    pub fn results(&self) -> Result<Vec<CaseResult>, CaseError> {
+        let recorded = (0..self.keys.len()).filter(|&index| self.case_folder(index).has_record());
+        recorded.map(|index| self.result(index)).collect()
     }
 
     fn metrics(
@@ -134,17 +182,17 @@ impl<'a> Archive<'a> {
         folder: &CaseFolder,
         scene: &SceneSpec,
         record: &RunRecord,
-    ) -> Result<Option<Metrics>, StoreError> {
+    ) -> Result<Result<Metrics, MetricError>, StoreError> {
         let name = metrics_file(&self.study.measure);
         if let Some(metrics) = folder.read_json(&name)? {
-            return Ok(Some(metrics));
+            return Ok(Ok(metrics));
         }
         let spec = &self.study.measure;
         let metrics = match scene.dimension {
-            3 => measure(spec, scene, &folder.read_frames::<3>()?, record).ok(),
-            _ => measure(spec, scene, &folder.read_frames::<2>()?, record).ok(),
+            3 => measure(spec, scene, &folder.read_frames::<3>()?, record),
+            _ => measure(spec, scene, &folder.read_frames::<2>()?, record),
         };
-        if let Some(metrics) = &metrics {
+        if let Ok(metrics) = &metrics {
             folder.write_json(&name, metrics)?;
         }
         Ok(metrics)
@@ -153,6 +201,12 @@ impl<'a> Archive<'a> {
 
 fn metrics_file(measure: &MeasureSpec) -> String {
     format!("metrics-{}.json", metric_key(measure))
+}
+
+/// What a panic said.
+fn words_of(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().copied().or(panic.downcast_ref::<String>().map(String::as_str));
+    format!("the program failed: {}; please report it", text.unwrap_or("without a word"))
 }
 
 /// The key of a scene, with the contents of its particle files.

@@ -7,9 +7,10 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use snowlab_solver::{Real, Simulation};
 
-use crate::results::{Archive, CaseError};
+use crate::results::Archive;
 use crate::run::Observer;
 use crate::spec::scene::TimeUnit;
+use crate::store::StoreError;
 use crate::sweep::Case;
 
 /// Hears how the work goes. Called from several threads.
@@ -17,7 +18,7 @@ pub trait Progress: Sync {
     /// So much of the whole work is done, in [0, 1], `cases` of them whole.
     fn advanced(&self, share: f64, cases: usize);
     /// A case has ended.
-    fn finished(&self, case: &Case, result: Result<(), &CaseError>);
+    fn finished(&self, case: &Case, result: Result<(), &StoreError>);
 }
 
 /// Wall time of a run, and where: kept apart from results.
@@ -33,28 +34,28 @@ pub struct Clock {
     pub jobs: usize,
 }
 
-/// Runs the cases of the given numbers, `jobs` at a time. A case that fails does not keep the others from running.
+/// Runs the cases of the given numbers, `jobs` at a time. A case that stops does not keep the others from running.
 ///
 /// # Errors
-/// The cases that could not be run or stored, with their numbers.
+/// The cases that could not be stored, with their numbers.
 pub fn run_cases(
     archive: &Archive,
     numbers: &[usize],
     jobs: usize,
     progress: &impl Progress,
-) -> Result<(), Vec<(usize, CaseError)>> {
+) -> Result<(), Vec<(usize, StoreError)>> {
     let cases = &archive.study.cases;
     let mut order: Vec<usize> = numbers.to_vec();
     order.sort_by(|&a, &b| predicted_work(&cases[b]).total_cmp(&predicted_work(&cases[a])).then(a.cmp(&b)));
     let total: f64 = order.iter().map(|&index| predicted_work(&cases[index])).sum();
     let tally = Mutex::new(Tally { total, done: 0.0, cases: 0 });
-    let run = |&index: &usize| -> Option<(usize, CaseError)> {
+    let run = |&index: &usize| -> Option<(usize, StoreError)> {
         let started = Instant::now();
         let mut watcher =
             Watcher { tally: &tally, progress, work: predicted_work(&cases[index]), reported: 0.0 };
         let result = archive.run(index, &mut watcher).and_then(|()| {
             let clock = Clock::read(started.elapsed().as_secs_f64(), jobs);
-            Ok(archive.case_folder(index).write_json("clock.json", &clock)?)
+            archive.case_folder(index).write_json("clock.json", &clock)
         });
         watcher.end();
         progress.finished(&cases[index], result.as_ref().map(|_| ()));

@@ -4,8 +4,11 @@
 //! <out>/<study>/cases/<key>/case.json      what was asked
 //!                           frames.bin     frames
 //!                           run.json       how it went: written last, so that it marks a finished run
+//!                           panic.json     how it went, where the program panicked: such a case is run again
 //!                           metrics-<k>.json   fragments, by the key of the measurement
 //!                           clock.json     how long it took, and where
+//! <out>/<study>/             tables, figures and report of the study run without a profile
+//! <out>/<study>/<profile>/   those of a profile, which shares the cases with all others
 //! ```
 
 use std::io::Write;
@@ -16,19 +19,23 @@ use serde::de::DeserializeOwned;
 use thiserror::Error;
 
 use crate::frames::Frames;
+use crate::record::RunRecord;
 use crate::spec::SceneSpec;
-use crate::spec::study::MeasureSpec;
+use crate::spec::study::{DEFAULT_PROFILE, MeasureSpec};
 
 /// Changes whenever the same scene gives other numbers: it is part of every case's key.
 pub const SOLVER_VERSION: u32 = 1;
 /// Changes whenever the same frames give other metrics.
 pub const METRIC_VERSION: u32 = 1;
 
+/// The record of a case in which the program panicked. It does not mark a finished run.
+pub const PANIC: &str = "panic.json";
+
 /// A result that cannot be written or read.
 #[derive(Debug, Error)]
 pub enum StoreError {
     /// The disk said no.
-    #[error("{}: {source}; check space and permissions, then run the same command again: finished cases are kept", path.display())]
+    #[error("{}: cannot be written or read; check space and permissions, then run the same command again: finished cases are kept", path.display())]
     Io {
         /// The file.
         path: PathBuf,
@@ -45,10 +52,14 @@ pub enum StoreError {
     },
 }
 
-/// The folder of a study's results.
+/// Names of folders of a study, which no profile can have.
+pub const FOLDERS: [&str; 2] = ["cases", "figures"];
+
+/// The folders of a study's results.
 #[derive(Clone, Debug)]
 pub struct Store {
     root: PathBuf,
+    cases: PathBuf,
 }
 
 /// The folder of one case.
@@ -58,19 +69,21 @@ pub struct CaseFolder {
 }
 
 impl Store {
-    /// The results of the study `name` below `out`.
-    pub fn new(out: &Path, name: &str) -> Self {
-        Store { root: out.join(name) }
+    /// The results of the study `name`, run under `profile`, below `out`.
+    pub fn new(out: &Path, name: &str, profile: &str) -> Self {
+        let study = out.join(name);
+        let cases = study.join("cases");
+        Store { root: if profile == DEFAULT_PROFILE { study } else { study.join(profile) }, cases }
     }
 
-    /// The study's folder.
+    /// The folder of tables, figures and report.
     pub fn root(&self) -> &Path {
         &self.root
     }
 
     /// The folder of a case.
     pub fn case(&self, key: &str) -> CaseFolder {
-        CaseFolder { path: self.root.join("cases").join(key) }
+        CaseFolder { path: self.cases.join(key) }
     }
 }
 
@@ -110,6 +123,36 @@ impl CaseFolder {
     /// Whether the run is finished.
     pub fn is_finished(&self) -> bool {
         self.path.join("run.json").is_file()
+    }
+
+    /// Whether it has the record of a finished run or of a panic.
+    pub fn has_record(&self) -> bool {
+        self.is_finished() || self.path.join(PANIC).is_file()
+    }
+
+    /// The record of the finished run, or else of the panic; `None` where there is neither.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub fn read_record(&self) -> Result<Option<RunRecord>, StoreError> {
+        Ok(match self.read_json("run.json")? {
+            Some(record) => Some(record),
+            None => self.read_json(PANIC)?,
+        })
+    }
+
+    /// Removes the record of an earlier panic, if there is one.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`].
+    pub fn forget_panic(&self) -> Result<(), StoreError> {
+        let path = self.path.join(PANIC);
+        match std::fs::remove_file(&path) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+                Err(StoreError::Io { path, source })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Writes frames.

@@ -6,7 +6,7 @@ use toml::Value;
 
 use crate::spec::override_path;
 use crate::spec::study::{
-    ArmSpec, BlockSpec, DEFAULT_PROFILE, MeasureSpec, ProfileSpec, StudySpec, SweepSpec,
+    ArmSpec, BlockSpec, DEFAULT_PROFILE, MeasureSpec, ProfileSpec, Rerun, StudySpec, SweepSpec,
 };
 use crate::spec::{self, SceneSpec, Spec, SpecError};
 
@@ -53,6 +53,10 @@ impl Study {
         for arm in spec.arm.iter().filter(|arm| runs(&chosen, arm)) {
             for axes in combinations(&spec.sweep) {
                 let scene = scene_of(&spec, &chosen, arm, &axes)?;
+                if let Some(check) = &arm.check {
+                    let checked = arm_of(&spec, &check.of).map(|arm| scene_of(&spec, &chosen, arm, &axes));
+                    checked.map_or(Ok(()), |checked| differs_by(arm, check.by, &scene, &checked?))?;
+                }
                 let blocks = blocks_of(&spec, &chosen, arm);
                 for block in blocks.first..blocks.first + blocks.count {
                     cases.push(Case {
@@ -111,6 +115,35 @@ fn check_count(spec: &StudySpec, profile: &ProfileSpec) -> Result<(), SpecError>
     Err(SpecError::value("`sweep`, `blocks`", message))
 }
 
+fn arm_of<'a>(spec: &'a StudySpec, id: &str) -> Option<&'a ArmSpec> {
+    spec.arm.iter().find(|arm| arm.id == id)
+}
+
+/// A check is the arm it checks but for what it changes: the lengths of steps, or the transfer.
+fn differs_by(arm: &ArmSpec, by: Rerun, scene: &SceneSpec, checked: &SceneSpec) -> Result<(), SpecError> {
+    let mut same = scene.clone();
+    let (numerics, theirs) = (&mut same.numerics, &checked.numerics);
+    let allowed = match by {
+        Rerun::HalfStep => {
+            numerics.fixed_step = theirs.fixed_step;
+            numerics.wave_courant = theirs.wave_courant;
+            numerics.advective_courant = theirs.advective_courant;
+            numerics.greatest_step = theirs.greatest_step;
+            "`fixed_step`, `wave_courant`, `advective_courant` and `greatest_step` of `numerics`"
+        }
+        Rerun::OtherTransfer => {
+            numerics.transfer = theirs.transfer;
+            "`numerics.transfer`"
+        }
+    };
+    if same == *checked && scene != checked {
+        return Ok(());
+    }
+    let what = if scene == checked { "nothing is changed" } else { "more is changed" };
+    let message = format!("{what}; allowed in a check of this kind: {allowed}, one or more");
+    Err(SpecError::value(format!("arm `{}`, `check`", arm.id), message))
+}
+
 fn runs(profile: &ProfileSpec, arm: &ArmSpec) -> bool {
     profile.arms.as_ref().is_none_or(|arms| arms.contains(&arm.id))
 }
@@ -158,6 +191,11 @@ fn number(value: &Value) -> f64 {
     value.as_float().or_else(|| value.as_integer().map(|i| i as f64)).unwrap_or(f64::NAN)
 }
 
+/// What is set in an arm and nowhere else.
+fn own<'a>(profile: &'a ProfileSpec, arm: &'a ArmSpec) -> impl Iterator<Item = (&'a String, &'a Value)> {
+    [&arm.set].into_iter().chain(profile.arm_set.get(&arm.id)).flatten()
+}
+
 fn scene_of(
     spec: &StudySpec,
     profile: &ProfileSpec,
@@ -166,8 +204,12 @@ fn scene_of(
 ) -> Result<SceneSpec, SpecError> {
     let mut scene = Value::Table(spec.scene.clone());
     let place = format!("arm `{}`", arm.id);
-    let own = profile.arm_set.get(&arm.id).into_iter().flatten();
-    let settings = profile.set.iter().chain(&arm.set).chain(own);
+    let checked = arm.check.as_ref().and_then(|check| arm_of(spec, &check.of));
+    let settings = profile
+        .set
+        .iter()
+        .chain(checked.into_iter().flat_map(|arm| own(profile, arm)))
+        .chain(own(profile, arm));
     for (path, value) in settings.chain(axes.iter().map(|axis| (&axis.path, &axis.value))) {
         override_path::set(&mut scene, path, value.clone())
             .map_err(|message| SpecError::value(format!("{place}, path `{path}`"), message))?;

@@ -80,11 +80,6 @@ impl Row {
             _ => None,
         }
     }
-
-    /// Whether there is an entry of the given name.
-    pub fn has(&self, name: &str) -> bool {
-        self.entries.iter().any(|(definition, _)| definition.name == name)
-    }
 }
 
 /// A table: rows of the same columns.

@@ -1,5 +1,7 @@
 //! The tables of a study.
 
+use crate::assemble::Made;
+use crate::claims::CheckReading;
 use crate::evaluate::Judged;
 use crate::record::HistoryRow;
 use crate::results::{Archive, CaseResult};
@@ -22,7 +24,7 @@ pub const ENDPOINTS: [&str; 10] = [
     "ln_extent",
 ];
 /// The tables' own columns, whose names an axis of a sweep cannot have.
-pub const OWN_COLUMNS: [&str; 68] = [
+pub const OWN_COLUMNS: [&str; 69] = [
     "arm",
     "block",
     "cases",
@@ -39,6 +41,7 @@ pub const OWN_COLUMNS: [&str; 68] = [
     "elastic",
     "end_time",
     "endpoint",
+    "failure",
     "fragments",
     "gate",
     "greatest",
@@ -92,6 +95,50 @@ pub const OWN_COLUMNS: [&str; 68] = [
     "wall_seconds",
     "watchdog_restores",
 ];
+/// The numeric columns of `cases` beside the axes of a sweep: what an expectation can be held against.
+pub const CASE_NUMBERS: [&str; 41] = [
+    "block",
+    "clamps",
+    "components",
+    "contact_loss",
+    "contact_time",
+    "crack",
+    "d50",
+    "damage",
+    "damping",
+    "dust",
+    "elastic",
+    "end_time",
+    "fragments",
+    "impulse",
+    "kinetic",
+    "ln_extent",
+    "ln_neff",
+    "ln_neff_bonds",
+    "ln_neff_earlier",
+    "ln_neff_flood",
+    "ln_neff_kernel",
+    "ln_neff_long_link",
+    "ln_neff_mean_link",
+    "loosened_1_05",
+    "loosened_1_3",
+    "loosened_2",
+    "mass",
+    "mean_step",
+    "particle_steps",
+    "particles",
+    "particles_per_cell",
+    "plastic_loss",
+    "porosity",
+    "rejected_steps",
+    "run_out",
+    "steps",
+    "time_unit",
+    "transfer_loss",
+    "void_draws",
+    "voids",
+    "watchdog_restores",
+];
 /// Confidence of the intervals of the summary.
 const CONFIDENCE: f64 = 0.95;
 
@@ -116,24 +163,38 @@ fn identity(row: &mut Row, result: &CaseResult) {
 pub fn case_row(result: &CaseResult) -> Row {
     let mut row = Row::default();
     identity(&mut row, result);
-    let (record, made) = (&result.record, &result.record.made);
+    let record = &result.record;
+    // Of a case that was not built there is nothing to tell.
+    let made = record.was_built().then_some(&record.made);
+    let count = |pick: fn(&Made) -> usize| made.map_or(Cell::Missing, |made| Cell::Count(pick(made) as u64));
     row.put("key", "-", "name of the case's folder: hash of scene and solver version", result.key.as_str())
         .put("outcome", "-", "ok, ok-with-clamps or stopped(reason)", record.outcome.in_words().as_str())
-        .count("particles", "number of particles N", made.particles as u64)
-        .number("particles_per_cell", "-", "particles per cell of the filled space", made.particles_per_cell)
-        .number("porosity", "-", "share of the body that is void", made.porosity)
-        .count("voids", "number of voids", made.voids as u64)
-        .number(
+        .put(
+            "failure",
+            "-",
+            "why the case stopped, could not be measured or failed the gate; empty where it can be used",
+            result.failure().as_deref().map_or(Cell::Missing, Cell::from),
+        )
+        .put("particles", "-", "number of particles N", count(|made| made.particles))
+        .put(
+            "particles_per_cell",
+            "-",
+            "particles per cell of the filled space",
+            made.map(|made| made.particles_per_cell),
+        )
+        .put("porosity", "-", "share of the body that is void", made.map(|made| made.porosity))
+        .put("voids", "-", "number of voids", count(|made| made.voids))
+        .put(
             "least_void_width",
             "m",
             "width of the narrowest void: the largest circle or ball in it",
-            made.least_void_width,
+            made.map(|made| made.least_void_width),
         )
-        .count("void_draws", "draws until a void field was accepted", made.void_draws as u64)
-        .number("mass", "kg/m or kg", "mass of all particles", made.mass);
+        .put("void_draws", "-", "draws until a void field was accepted", count(|made| made.void_draws))
+        .put("mass", "kg/m or kg", "mass of all particles", made.map(|made| made.mass));
     measured(&mut row, result);
     let last = record.history.last();
-    row.number("time_unit", "s", "R/v, or 1 s", record.time_unit)
+    row.put("time_unit", "s", "R/v, or 1 s", made.map(|_| record.time_unit))
         .put("contact_time", "s", "first step in which an obstacle changed a velocity", record.contact_time)
         .number("end_time", "s", "time of the measurement", record.end_time)
         .count("steps", "accepted steps", record.steps)
@@ -316,14 +377,16 @@ pub fn groups(results: &[CaseResult]) -> Vec<Vec<&CaseResult>> {
 
 /// `claims`: one row a claim.
 pub fn claims(judged: &[Judged]) -> Table {
-    let rows = judged.iter().map(|Judged { family, claim, assessment: a }| {
+    let rows = judged.iter().map(|Judged { family, claim, primary, assessment: a, .. }| {
         let e = &a.evidence;
         let lower = |i: Option<Interval>| i.map(|i| i.lower);
         let upper = |i: Option<Interval>| i.map(|i| i.upper);
+        let checks = a.checks.iter().map(CheckReading::to_string).collect::<Vec<_>>().join("; ");
         let mut row = Row::default();
         row.put("family", "-", "claim or control", *family)
             .put("claim", "-", "id of the claim", a.claim.as_str())
             .put("sentence", "-", "what is claimed, in our words", claim.sentence.as_str())
+            .put("primary", "-", "metric of the endpoint A, by the calibration", primary.to_string().as_str())
             .put("verdict", "-", "by the mechanical rule", a.verdict.to_string().as_str())
             .count("blocks", "complete blocks", e.blocks as u64)
             .count("lost_blocks", "blocks dropped because a case in them was lost", a.lost_blocks as u64)
@@ -339,6 +402,12 @@ pub fn claims(judged: &[Judged]) -> Table {
             .put("p", "-", "sign flips or permutations within blocks", e.p_value)
             .put("p_holm", "-", "adjusted over the family by Holm", e.p_holm)
             .put("cliffs_delta", "-", "Cliff's delta of the extreme arms, descriptive", e.cliffs_delta)
+            .put(
+                "checks",
+                "ln N_eff",
+                "the effect as measured otherwise, and in how many blocks",
+                checks.as_str(),
+            )
             .put("explanation", "-", "the rule that decided, with its numbers", a.explanation.as_str());
         row
     });
@@ -354,8 +423,8 @@ pub fn timings(archive: &Archive, results: &[CaseResult]) -> Result<Table, Store
     for result in results {
         let folder = archive.store.case(&result.key);
         let clock = folder.read_json::<Clock>("clock.json")?;
-        let per_step =
-            clock.as_ref().map(|c| c.wall_seconds * 1e9 / result.record.particle_steps.max(1) as f64);
+        let steps = result.record.particle_steps;
+        let per_step = clock.as_ref().filter(|_| steps > 0).map(|c| c.wall_seconds * 1e9 / steps as f64);
         let mut row = Row::default();
         identity(&mut row, result);
         row.put("wall_seconds", "s", "wall time of the case", clock.as_ref().map(|c| c.wall_seconds))

@@ -58,7 +58,7 @@ fn a_message_names_the_file_and_the_line() {
     let folder = tempdir().unwrap();
     let path = folder.path().join("scene.toml");
     std::fs::write(&path, SCENE.replace("spacing = 0.05", "spacing = -1.0")).unwrap();
-    hold_message(&refusal_of(&path), "range", &["scene.toml: `numerics.spacing`: is -1.0"]);
+    hold_message(&refusal_of(&path), "range", &["scene.toml: line 3, `numerics.spacing`: is -1.0"]);
     std::fs::write(&path, SCENE.replace("spacing = 0.05", "spacin = 1.0")).unwrap();
     hold_message(&refusal_of(&path), "key", &["scene.toml: line 3, `numerics.spacin`: unknown key"]);
 }

@@ -40,6 +40,37 @@ const TABLE: &[Refused] = &[
     // Arms.
     refused("\"two\"", "\"one\"", &["`arm.1.id`", "\"one\"", "stands twice", "its own id"]),
     refused("[[arm]]\nid = \"one\"\n[[arm]]\nid = \"two\"\n", "[profile]\n", &["`arm` is missing"]),
+    // Checks.
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ncheck = { of = \"three\", by = \"half-step\" }\n",
+        &["line 22, `arm.1.check`", "\"three\"", ARMS],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ncheck = { of = \"two\", by = \"half-step\" }\n",
+        &["`arm.1.check`", "\"two\"", "a check itself"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"half-step\" }\n",
+        &["arm `two`, `check`", "nothing is changed", "`wave_courant`"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"other-transfer\" }\nset = { \"numerics.transfer\" = \"apic\", \"numerics.spacing\" = 0.1 }\n",
+        &["arm `two`, `check`", "more is changed", "`numerics.transfer`"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"quarter-step\" }\n",
+        &["`arm.1.check.by`", "`quarter-step`", "`half-step`"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"half-step\" }\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { range = { arms = [\"one\", \"two\"] } }\n",
+        &["`claim.0.contrast`", "\"two\"", "only checks another"],
+    ),
     // The scene, as each arm has it.
     refused("spacing = 0.05\n[[scene", "[[scene", &["arm `one`", "`numerics`", "`spacing` is missing"]),
     refused("radius = 0.25", "radius = -1.0", &["arm `one`", "`body.0.region.radius`", "is -1.0", "above 0"]),
@@ -208,6 +239,11 @@ const TABLE: &[Refused] = &[
     // Expectations.
     refused(
         END,
+        "[[arm]]\nid = \"two\"\n[[expect]]\nmetric = \"digest\"\nrange = [0.0, 1.0]\nwhy = \"w\"\n",
+        &["`expect.0.metric`", "\"digest\"", "a numeric column of `cases.csv`"],
+    ),
+    refused(
+        END,
         "[[arm]]\nid = \"two\"\n[[expect]]\nmetric = \"damage\"\nrange = [1.0, 0.0]\nwhy = \"w\"\n",
         &["`expect.0.range`", "[1.0, 0.0]", "least first"],
     ),
@@ -237,6 +273,12 @@ const TABLE: &[Refused] = &[
         &["`expect.0.statistic`", "`mode`", "`each`, `mean`, `median`"],
     ),
     // Profiles, whether they are chosen or not.
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[profile.cases]\n",
+        &["`profile.cases`", "cases, figures", "another"],
+    ),
+    refused(END, "[[arm]]\nid = \"two\"\n[profile.\"../x\"]\n", &["`profile.../x`", "\"../x\"", NAME]),
     refused(
         END,
         "[[arm]]\nid = \"two\"\n[profile.quick]\narms = [\"three\"]\n",
@@ -303,10 +345,20 @@ fn a_path_without_end_is_refused() {
     hold_message(&message, "a long path", &["arm `two`, path `a.a.a", "more than 32 parts"]);
 }
 
-/// A metric can be known to be none only once there are results, of which there are none here: nothing to refuse.
+/// What a profile leaves out on purpose is not missed; what it should have run is.
 #[test]
-fn expectations_are_asked_of_results() {
+fn an_expectation_that_no_case_is_there_for_is_not_met() {
+    let expect = "[[expect]]\nmetric = \"damage\"\narms = [\"two\"]\nrange = [0.0, 1.0]\nwhy = \"w\"\n";
+    let text = format!("{STUDY}{expect}[profile.part]\narms = [\"one\"]\n");
+    let found = |profile| check(&Study::expand(spec::parse(&text).unwrap(), profile).unwrap(), &[]);
+    let whole = found(None);
+    assert!(!whole[0].holds && whole[0].line.contains("`damage` matches no case"), "{whole:?}");
+    assert_eq!(found(Some("part")), []);
+}
+
+#[test]
+fn a_message_names_the_line_of_a_metric_that_is_none() {
     let text = format!("{STUDY}[[expect]]\nmetric = \"damages\"\nrange = [0.0, 1.0]\nwhy = \"w\"\n");
-    let study = Study::expand(spec::parse(&text).unwrap(), None).unwrap();
-    assert_eq!(check(&study, &[]).unwrap(), []);
+    let message = spec::parse::<StudySpec>(&text).unwrap_err().to_string();
+    hold_message(&message, "damages", &["line 23, `expect.0.metric`", "\"damages\"", "such as damage"]);
 }

@@ -128,16 +128,39 @@ fn rule_2_stops_at_the_floor_the_plateau_the_metric_and_the_damping() {
     check_table(vec![
         (
             "no operating point",
-            under(Conditions { operating_point_found: false, ..met }),
+            under(Conditions { operating_point: OperatingPoint::NotFound, ..met }),
             "inconclusive (floor)",
+        ),
+        (
+            "no pilot",
+            under(Conditions { operating_point: OperatingPoint::NoPilot, ..met }),
+            "inconclusive (no pilot)",
         ),
         ("10 of 12 unbroken in both", with(&strong(12), unbroken("both", 10)), "inconclusive (floor)"),
         ("9 of 12 unbroken: 75 %, not over", with(&strong(12), unbroken("both", 9)), "supported"),
         ("control alone unbroken", with(&strong(12), unbroken("30k", 12)), "supported"),
         ("3 of 12 unsettled in one arm", with(&strong(12), unsettled(3)), "inconclusive (no plateau)"),
         ("4 of 20 unsettled: 20 %, not over", with(&strong(20), unsettled(4)), "supported"),
-        ("calibration", under(Conditions { calibration_agrees: false, ..met }), "inconclusive (metric)"),
-        ("noise floor", under(Conditions { noise_floor_holds: false, ..met }), "inconclusive (metric)"),
+        (
+            "calibration not made",
+            under(Conditions { calibration: Calibration::NotMeasured, ..met }),
+            "inconclusive (not calibrated)",
+        ),
+        (
+            "flood fill in place of friends-of-friends",
+            under(Conditions { calibration: Calibration::FloodFill, ..met }),
+            "supported",
+        ),
+        (
+            "noise floor",
+            under(Conditions { noise_floor: NoiseFloor::Broken, ..met }),
+            "inconclusive (metric)",
+        ),
+        (
+            "no noise floor",
+            under(Conditions { noise_floor: NoiseFloor::NotRun, ..met }),
+            "inconclusive (noise floor not run)",
+        ),
         ("damping 6 % higher", with(&strong(12), damped(1.06)), "inconclusive (damping)"),
         ("damping 6 % lower", with(&strong(12), damped(0.94)), "inconclusive (damping)"),
         ("damping 4 % higher", with(&strong(12), damped(1.04)), "supported"),
@@ -148,8 +171,11 @@ fn rule_2_stops_at_the_floor_the_plateau_the_metric_and_the_damping() {
 
 #[test]
 fn rules_are_asked_in_order() {
-    let faulty =
-        Conditions { operating_point_found: false, calibration_agrees: false, noise_floor_holds: false };
+    let faulty = Conditions {
+        operating_point: OperatingPoint::NotFound,
+        calibration: Calibration::FloodFill,
+        noise_floor: NoiseFloor::Broken,
+    };
     let all_wrong = |blocks, conditions| {
         let spoil = |row: &mut ArmValue| {
             row.settled = false;
@@ -161,7 +187,7 @@ fn rules_are_asked_in_order() {
         observations.rows.iter_mut().for_each(|row| row.settled = true);
         observations
     };
-    let found = Conditions { operating_point_found: true, ..faulty };
+    let found = Conditions { operating_point: OperatingPoint::Found, ..faulty };
     check_table(vec![
         ("rule 1 before rule 2", all_wrong(11, faulty), "not-run (n < 12)"),
         ("floor first", all_wrong(12, faulty), "inconclusive (floor)"),

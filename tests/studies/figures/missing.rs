@@ -1,7 +1,7 @@
 //! Data that is missing or contradicts itself.
 
 use snowlab_study::figure::FigureError;
-use snowlab_study::figure::axis::Scale;
+use snowlab_study::figure::axis::{Axis, Scale};
 use snowlab_study::figure::curves::{self, Curve, Curves, Quantity, Spread};
 use snowlab_study::figure::energy::{Energy, EnergyCase, energy};
 use snowlab_study::figure::pilot::{Pilot, PilotArm, pilot};
@@ -64,10 +64,27 @@ fn missing_data_leave_a_note_and_contradictions_an_error() {
         };
         keep(name, &curves::curves(&figure).expect("values may be missing"));
     }
+    let quantity = Quantity { label: "y", scale: Scale::Linear, hold: &[], level: None, curves: &[] };
+    let marked = Curves {
+        title: "",
+        x_label: "link / h",
+        x_scale: Scale::Linear,
+        mark: Some((0.4, "link used")),
+        spread: Spread::Band,
+        note: "",
+        quantities: &[quantity],
+    };
+    let nothing = curves::curves(&marked).expect_err("a mark alone is no figure");
+    assert!(matches!(nothing, FigureError::Nothing { what: "curve" }), "{nothing}");
     keep(
         "empty-sizes",
         &sizes("", &[SizeArm { arm: "none", cases: &[&[]] }]).expect("no fragments is no error"),
     );
+    for scale in [Scale::Linear, Scale::Logarithmic] {
+        let alone = Axis::around(scale, [2.0], 0.0);
+        assert!(alone.low < 2.0 && alone.high > 2.0, "a value alone has room: {alone:?}");
+        assert!(Axis { scale, low: 2.0, high: 2.0 }.ticks(9).is_empty(), "no length, no ticks");
+    }
     let cases = [EnergyCase { arm: "a", time: &[0.0, 1.0, 2.0], parts: &[&nan] }];
     let parts =
         Energy { title: "", x_label: "t", y_label: "E", parts: &["kinetic"], cases: &cases, note: "" };

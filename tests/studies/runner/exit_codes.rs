@@ -27,16 +27,22 @@ fn one_where_a_range_is_left() {
 #[test]
 fn one_where_a_case_has_stopped() {
     let desk = Desk::with(&[("study.toml", &study(STOPPING_ARM))]);
-    desk.expect(0, "run study.toml --jobs 2");
+    desk.expect(3, "run study.toml --jobs 2");
     let printed = desk.expect(1, "check study.toml");
     assert!(printed.contains("FAILED  leaping block 1: particle"), "{printed}");
 }
 
 #[test]
 fn two_where_the_input_is_bad() {
-    let wrong_metric = study(ARMS).replace("\"particles\"", "\"partikels\"");
+    let text = study(ARMS);
+    let wrong_metric = text.replace("\"particles\"", "\"partikels\"");
     let bad = SCENE.replace("radius = 0.25", "radius = -0.25");
-    let files = [("study.toml", wrong_metric.as_str()), ("scene.toml", SCENE), ("bad.toml", &bad)];
+    let files = [
+        ("study.toml", text.as_str()),
+        ("metric.toml", &wrong_metric),
+        ("scene.toml", SCENE),
+        ("bad.toml", &bad),
+    ];
     let desk = Desk::with(&files);
     for (line, says) in [
         ("run", "required arguments"),
@@ -44,29 +50,63 @@ fn two_where_the_input_is_bad() {
         ("run study.toml --profile fast", "study.toml: profile `fast`"),
         ("run scene.toml", "scene.toml: line 4, `body`: unknown key"),
         ("simulate study.toml --out x", "`arm`: unknown key"),
-        ("simulate bad.toml --out x", "bad.toml: `body.0.region.radius`: is -0.25"),
-        ("sample bad.toml -o x.csv", "bad.toml: `body.0.region.radius`: is -0.25"),
+        ("simulate bad.toml --out x", "bad.toml: line 5, `body.0.region.radius`: is -0.25"),
+        ("sample bad.toml -o x.csv", "bad.toml: line 5, `body.0.region.radius`: is -0.25"),
         ("sample scene.toml -o points.xyz", "use .csv or .ply"),
-        ("fragments nowhere.csv --link 0.1", "nowhere.csv"),
+        (
+            "fragments nowhere.csv --link 0.1",
+            "snowlab: nowhere.csv: No such file or directory (os error 2)\n",
+        ),
+        ("fragments nowhere.csv --link 0", "snowlab: `--link` is 0.0; allowed: above 0"),
+        ("fragments nowhere.csv --link -1", "snowlab: `--link` is -1.0; allowed: above 0"),
+        ("fragments nowhere.csv --link 1 --min-mass-share -1", "`--min-mass-share` is -1.0; allowed: 0 to 1"),
+        (
+            "run metric.toml",
+            "`expect.0.metric`: is \"partikels\"; allowed: a numeric column of `cases.csv`, such as parti",
+        ),
         ("report study.toml", "nothing has been run"),
         ("check study.toml", "has not been run"),
     ] {
         let printed = desk.expect(2, line);
         assert!(printed.contains(says), "snowlab {line}\n{printed}");
     }
-    desk.expect(0, "run study.toml --jobs 2");
-    let printed = desk.expect(2, "check study.toml");
-    assert!(printed.contains("metric `partikels`: is not a column of `cases`"), "{printed}");
 }
 
-/// Voids that find no room: the case cannot be built, and the others run all the same.
+/// Voids that find no room: the case cannot be built, which is a row as any other stop, and the others run all the same.
 #[test]
-fn three_where_cases_cannot_be_built() {
+fn cases_that_cannot_be_built_are_rows() {
     let crowded = "[[arm]]\nid = \"crowded\"\nset = { \"body.0.voids\" = { kind = \"circles\", porosity = 0.6, mean_radius = 0.1 } }\n";
-    let desk = Desk::with(&[("study.toml", &study(&[crowded, ARMS].concat()))]);
+    let claim = "[[claim]]\nid = \"crowded-breaks-more\"\nsentence = \"It does.\"\n\
+                 contrast = { paired = { treated = \"crowded\", control = \"lattice\" } }\n";
+    let desk = Desk::with(&[("study.toml", &study(&[crowded, ARMS, claim].concat()))]);
     let printed = desk.expect(3, "run study.toml --jobs 2");
-    assert!(printed.contains("failed: crowded block 1: `body.0`: no void field"), "{printed}");
-    assert_eq!(super::rows(&desk.read("results/tiny/cases.csv")).len(), 6);
+    assert!(printed.contains("crowded block 1 stopped: `body.0`: no void field"), "{printed}");
+    let cases = super::rows(&desk.read("results/tiny/cases.csv"));
+    assert_eq!(cases.len(), 8);
+    assert_eq!(cases[0]["outcome"], "stopped(not-built)");
+    assert!(cases[0]["failure"].contains("no void field"), "{:?}", cases[0]);
+    assert_eq!([&cases[0]["particles"], &cases[0]["mass"], &cases[0]["time_unit"]], ["", "", ""]);
+    assert_eq!(cases[2]["failure"], "", "{:?}", cases[2]);
+    // The scene is the same the next time: it is not tried again, and the check fails for the case, not for its lack.
+    assert!(desk.expect(0, "plan study.toml").ends_with("8 cases: 8 finished, 0 to run\n"));
+    let printed = desk.expect(1, "check study.toml");
+    assert!(printed.contains("FAILED  crowded block 2: `body.0`: no void field"), "{printed}");
+    // For a claim its blocks are lost.
+    desk.expect(0, "report study.toml");
+    let claims = super::rows(&desk.read("results/tiny/claims.csv"));
+    let crowded = claims.iter().find(|row| row["claim"] == "crowded-breaks-more").unwrap();
+    assert_eq!([&crowded["blocks"], &crowded["lost_blocks"]], ["0", "2"]);
+}
+
+/// Whether it stopped now or in an earlier run.
+#[test]
+fn three_where_a_case_of_a_study_has_stopped() {
+    let desk = Desk::with(&[("study.toml", &study(STOPPING_ARM))]);
+    for to_run in [2, 0] {
+        let printed = desk.expect(3, "run study.toml --jobs 2");
+        assert!(printed.contains(&format!("2 cases, {to_run} to run")), "{printed}");
+        assert!(printed.contains("2 of 2 cases stopped"), "{printed}");
+    }
 }
 
 #[test]

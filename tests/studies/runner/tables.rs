@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use snowlab_study::tables::OWN_COLUMNS;
+use snowlab_study::tables::{CASE_NUMBERS, OWN_COLUMNS};
 
 use super::{ARMS, Desk, STOPPING_ARM, rows, study};
 
@@ -12,7 +12,7 @@ const SWEEP: &str = "[[arm]]\nid = \"random\"\n[[sweep]]\nname = \"speed\"\npath
 #[test]
 fn a_case_that_stops_is_a_row_and_the_study_goes_on() {
     let desk = Desk::with(&[("study.toml", &study(&[STOPPING_ARM, ARMS].concat()))]);
-    let printed = desk.expect(0, "run study.toml --jobs 1");
+    let printed = desk.expect(3, "run study.toml --jobs 1");
     assert!(printed.contains("leaping block 1 stopped: particle"), "{printed}");
     let cases = rows(&desk.read("results/tiny/cases.csv"));
     assert_eq!(cases.len(), 8);
@@ -46,6 +46,40 @@ fn a_sweep_has_its_column_in_every_table() {
             header.iter().filter(|name| **name != "speed" && !OWN_COLUMNS.contains(name)).collect();
         assert!(others.is_empty(), "{table}: {others:?} are no names in OWN_COLUMNS");
     }
+}
+
+/// Tables, figures and report of a profile stand beside those of the study; a case that both ask for is run once.
+#[test]
+fn a_profile_leaves_the_tables_of_the_study_alone() {
+    let profile = "[profile.short]\narms = [\"random\", \"lattice\"]\n";
+    let desk = Desk::with(&[("study.toml", &study(&[ARMS, profile].concat()))]);
+    desk.expect(0, "run study.toml --jobs 2");
+    desk.expect(0, "report study.toml");
+    let before = desk.files("results/tiny");
+    let printed = desk.expect(0, "run study.toml --profile short --jobs 2");
+    assert!(printed.contains("4 cases, 0 to run"), "{printed}");
+    desk.expect(0, "report study.toml --profile short");
+    desk.expect(0, "check study.toml --profile short");
+    let after = desk.files("results/tiny");
+    assert!(before.iter().all(|(path, bytes)| after[path] == *bytes), "what was there is as it was");
+    let new: Vec<_> = after.keys().filter(|path| !before.contains_key(*path)).collect();
+    assert!(new.iter().all(|path| path.starts_with("short")), "{new:?}");
+    assert_eq!(rows(&desk.read("results/tiny/cases.csv")).len(), 6);
+    assert_eq!(rows(&desk.read("results/tiny/short/cases.csv")).len(), 4);
+    assert!(desk.path("results/tiny/short/report.html").exists());
+}
+
+/// What an expectation can be held against: the columns in which every entry that is there is a number.
+#[test]
+fn the_numeric_columns_of_cases_are_known() {
+    let desk = Desk::with(&[("study.toml", &study(ARMS))]);
+    desk.expect(0, "run study.toml --jobs 2");
+    let text = desk.read("results/tiny/cases.csv");
+    let cases = rows(&text);
+    let numeric = |column: &&str| cases.iter().all(|case| case[*column].parse::<f64>().is_ok());
+    let mut found: Vec<&str> = text.lines().next().unwrap().split(',').filter(numeric).collect();
+    found.sort_unstable();
+    assert_eq!(found, CASE_NUMBERS);
 }
 
 #[test]

@@ -4,13 +4,14 @@ use std::fmt;
 use serde::Serialize;
 
 use super::blocks::Blocks;
+use super::checks::fixed_weights;
 use super::claim::{Claim, ClaimError};
-use super::evidence::{Evidence, Resampling};
+use super::evidence::{Evidence, Resampling, differences};
 use super::limits::CHECK_BLOCKS;
 use super::observations::{ArmValue, Check, Observations};
 use super::rules::{Case, judge};
 use super::verdict::Verdict;
-use crate::statistics::{Interval, holm_adjusted};
+use crate::statistics::{Interval, holm_adjusted, mean};
 
 /// A claim judged: the verdict, the numbers it rests on, and the reason in words. `Display` is one line of a
 /// report.
@@ -26,8 +27,21 @@ pub struct Assessment {
     pub lost_blocks: usize,
     /// Blocks dropped because a case in them has not been run.
     pub incomplete_blocks: usize,
+    /// The effect as measured otherwise, where a block has every arm.
+    pub checks: Vec<CheckReading>,
     /// The reason, with its numbers.
     pub explanation: String,
+}
+
+/// The effect by one of the checks.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CheckReading {
+    /// Which.
+    pub check: Check,
+    /// Complete blocks.
+    pub blocks: usize,
+    /// Mean of d; for a range, that of the two arms that were extreme in the primary measurement.
+    pub effect: f64,
 }
 
 /// Judges one claim as a member of a family of `family_size` (at least 1).
@@ -48,7 +62,9 @@ pub fn assess(
     claim.validate()?;
     let blocks = Blocks::of(&claim.id, &claim.arms(), &observations.rows)?;
     let evidence = Evidence::measure(&claim.contrast, &blocks.values(), family_size, resampling);
-    let checks = usable_checks(claim, &observations.checks)?;
+    let checks = complete_checks(claim, &observations.checks)?;
+    let readings = readings(claim, &blocks.values(), &checks);
+    let checks = checks.into_iter().filter(|(_, values)| values.len() >= CHECK_BLOCKS).collect();
     let conditions = observations.conditions;
     let case = Case { claim, conditions, blocks, evidence, checks, family_size, resampling };
     let verdict = judge(&case);
@@ -58,6 +74,7 @@ pub fn assess(
         verdict,
         lost_blocks: case.blocks.lost.len(),
         incomplete_blocks: case.blocks.incomplete,
+        checks: readings,
         evidence: case.evidence,
     })
 }
@@ -81,6 +98,8 @@ pub fn assess_family(
     Ok(assessments)
 }
 
+/// For controls of several contrasts, such as voids against three solid balls of equal mass.
+///
 /// The verdict of "each of these is so": refuted if one is refuted, else not-run if one is not run, else
 /// inconclusive if one is, else supported; the first such verdict speaks. `None` for no verdicts.
 pub fn all_of(verdicts: &[Verdict]) -> Option<Verdict> {
@@ -92,19 +111,32 @@ pub fn all_of(verdicts: &[Verdict]) -> Option<Verdict> {
         .cloned()
 }
 
-/// Values of the complete blocks of each check that has at least 8 of them.
-fn usable_checks(
+/// Values of the complete blocks of each check.
+fn complete_checks(
     claim: &Claim,
     checks: &BTreeMap<Check, Vec<ArmValue>>,
 ) -> Result<BTreeMap<Check, Vec<Vec<f64>>>, ClaimError> {
-    let mut usable = BTreeMap::new();
-    for (check, rows) in checks {
-        let values = Blocks::of(&claim.id, &claim.arms(), rows)?.values();
-        if values.len() >= CHECK_BLOCKS {
-            usable.insert(*check, values);
-        }
+    let values = |rows| Blocks::of(&claim.id, &claim.arms(), rows).map(|blocks| blocks.values());
+    checks.iter().map(|(check, rows)| Ok((*check, values(rows)?))).collect()
+}
+
+fn readings(
+    claim: &Claim,
+    primary: &[Vec<f64>],
+    checks: &BTreeMap<Check, Vec<Vec<f64>>>,
+) -> Vec<CheckReading> {
+    let weights = fixed_weights(&claim.contrast, primary);
+    let reading = |(check, values): (&Check, &Vec<Vec<f64>>)| {
+        let effect = mean(&differences(&weights, values))?;
+        Some(CheckReading { check: *check, blocks: values.len(), effect })
+    };
+    checks.iter().filter_map(reading).collect()
+}
+
+impl fmt::Display for CheckReading {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {:.3} (n = {})", self.check, self.effect, self.blocks)
     }
-    Ok(usable)
 }
 
 fn adjust_by_holm(assessments: &mut [Assessment]) {

@@ -1,3 +1,6 @@
+//! The control `density-noise`: does noise on a lattice reproduce what random placement does? No study of the project
+//! has its arms yet.
+
 use std::fmt;
 
 use serde::{Deserialize, Serialize};

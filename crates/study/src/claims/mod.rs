@@ -17,7 +17,7 @@ mod rules;
 mod scope;
 mod verdict;
 
-pub use assess::{Assessment, all_of, assess, assess_family};
+pub use assess::{Assessment, CheckReading, all_of, assess, assess_family};
 pub use claim::{Claim, ClaimError, Contrast, TrendArm};
 pub use density_noise::{DensityNoise, DensityNoiseAssessment, DensityNoiseVerdict, density_noise};
 pub use evidence::{Evidence, Resampling};
@@ -25,6 +25,8 @@ pub use limits::{
     BROKEN_DAMAGE, CHECK_BLOCKS, CLAMP_SHARE, DAMPING_RATIO, ERROR_RATE, LOST_SHARE, MINIMUM_BLOCKS,
     SMALLEST_RATIO, UNBROKEN_SHARE, UNSETTLED_SHARE, smallest_effect,
 };
-pub use observations::{ArmValue, CaseStatus, Check, Conditions, Observations};
+pub use observations::{
+    ArmValue, Calibration, CaseStatus, Check, Conditions, NoiseFloor, Observations, OperatingPoint, Primary,
+};
 pub use scope::{Direction, ScopeReading, direction};
 pub use verdict::{Finding, FloorCause, MetricFault, NotRun, Reason, Refutation, Verdict};

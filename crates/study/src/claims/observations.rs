@@ -4,6 +4,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::limits::CLAMP_SHARE;
+use crate::spec::study::Rerun;
 
 /// How a case ended, as far as a claim asks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,21 +53,89 @@ impl ArmValue {
     }
 }
 
-/// What the pilot and the gates of the study say; the same for all claims measured alike.
+/// What the pilot says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OperatingPoint {
+    /// A speed (or the wedge) was found at which its median D lies within [0.05, 0.6].
+    Found,
+    /// It found none.
+    NotFound,
+    /// There was none.
+    NoPilot,
+}
+
+/// What the arms that nothing can break say: zero-speed impact and the elastic material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NoiseFloor {
+    /// They read as one piece in every block.
+    Holds,
+    /// One of them does not.
+    Broken,
+    /// None of them was run.
+    NotRun,
+}
+
+/// What the calibration by stretch says of a claim's arms at equal counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Calibration {
+    /// They seem to fall apart at the same stretch, within 15 %.
+    Agrees,
+    /// They do not: the flood fill is their primary metric.
+    FloodFill,
+    /// It could not be made.
+    NotMeasured,
+}
+
+/// The metric that the endpoint A is measured by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Primary {
+    /// Friends-of-friends at the study's link.
+    FriendsOfFriends,
+    /// Flood fill of a density raster.
+    FloodFill,
+}
+
+impl Calibration {
+    /// The primary metric of arms so calibrated.
+    pub fn primary(self) -> Primary {
+        match self {
+            Self::Agrees | Self::NotMeasured => Primary::FriendsOfFriends,
+            Self::FloodFill => Primary::FloodFill,
+        }
+    }
+}
+
+impl fmt::Display for Primary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::FriendsOfFriends => "friends-of-friends",
+            Self::FloodFill => "flood fill",
+        })
+    }
+}
+
+/// What decides whether a claim can be judged: of the study the pilot and the noise floor, of its arms the calibration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Conditions {
-    /// A speed (or the wedge) was found at which the pilot's median D lies within [0.05, 0.6].
-    pub operating_point_found: bool,
-    /// The calibration by stretch agrees between the arms within 15 %, or the flood fill is their primary.
-    pub calibration_agrees: bool,
-    /// Zero-speed impact and the elastic material read as one piece in every block.
-    pub noise_floor_holds: bool,
+    /// The pilot.
+    pub operating_point: OperatingPoint,
+    /// The calibration by stretch.
+    pub calibration: Calibration,
+    /// The arms that nothing can break.
+    pub noise_floor: NoiseFloor,
 }
 
 impl Conditions {
     /// All conditions met.
-    pub const MET: Self =
-        Self { operating_point_found: true, calibration_agrees: true, noise_floor_holds: true };
+    pub const MET: Self = Self {
+        operating_point: OperatingPoint::Found,
+        calibration: Calibration::Agrees,
+        noise_floor: NoiseFloor::Holds,
+    };
 }
 
 /// A re-measurement that a verdict must withstand.
@@ -100,6 +169,15 @@ impl Check {
         Self::HalfStep,
         Self::OtherTransfer,
     ];
+}
+
+impl From<Rerun> for Check {
+    fn from(by: Rerun) -> Self {
+        match by {
+            Rerun::HalfStep => Self::HalfStep,
+            Rerun::OtherTransfer => Self::OtherTransfer,
+        }
+    }
 }
 
 impl fmt::Display for Check {

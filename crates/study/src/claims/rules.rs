@@ -11,7 +11,7 @@ use super::limits::{
     BROKEN_DAMAGE, DAMPING_RATIO, LOST_SHARE, MINIMUM_BLOCKS, UNBROKEN_SHARE, UNSETTLED_SHARE,
     smallest_effect,
 };
-use super::observations::{ArmValue, Check, Conditions};
+use super::observations::{ArmValue, Calibration, Check, Conditions, NoiseFloor, OperatingPoint};
 use super::verdict::{Finding, FloorCause, MetricFault, NotRun, Reason, Refutation, Verdict};
 use crate::statistics::{Interval, mean};
 
@@ -60,8 +60,10 @@ pub(super) fn fit_to_judge(arms: &[&str], blocks: &Blocks, conditions: Condition
 }
 
 fn something_breaks(blocks: &Blocks, conditions: Conditions) -> Result<(), Reason> {
-    if !conditions.operating_point_found {
-        return Err(Reason::Floor(FloorCause::NoOperatingPoint));
+    match conditions.operating_point {
+        OperatingPoint::Found => {}
+        OperatingPoint::NotFound => return Err(Reason::Floor(FloorCause::NoOperatingPoint)),
+        OperatingPoint::NoPilot => return Err(Reason::NoPilot),
     }
     let unbroken = per_arm(blocks, |case| f64::from(case.damage < BROKEN_DAMAGE));
     let share = unbroken.into_iter().fold(1.0, f64::min);
@@ -77,13 +79,12 @@ fn fragments_have_settled(arms: &[&str], blocks: &Blocks) -> Result<(), Reason> 
 }
 
 fn metric_is_sound(conditions: Conditions) -> Result<(), Reason> {
-    if !conditions.calibration_agrees {
-        return Err(Reason::Metric(MetricFault::Calibration));
+    match (conditions.calibration, conditions.noise_floor) {
+        (Calibration::NotMeasured, _) => Err(Reason::Metric(MetricFault::NotCalibrated)),
+        (_, NoiseFloor::Broken) => Err(Reason::Metric(MetricFault::NoiseFloor)),
+        (_, NoiseFloor::NotRun) => Err(Reason::Metric(MetricFault::NoiseFloorNotRun)),
+        (Calibration::Agrees | Calibration::FloodFill, NoiseFloor::Holds) => Ok(()),
     }
-    if !conditions.noise_floor_holds {
-        return Err(Reason::Metric(MetricFault::NoiseFloor));
-    }
-    Ok(())
 }
 
 /// Largest over smallest arm mean; arms without any damping at all are alike.

@@ -1,3 +1,5 @@
+//! Rule 7: the same contrast under other conditions, or in 3D. For studies that run such conditions in blocks of their own.
+
 use std::fmt;
 
 use serde::Serialize;

@@ -59,6 +59,8 @@ pub enum NotRun {
 pub enum Reason {
     /// Rule 2: nothing breaks where the runs were made.
     Floor(FloorCause),
+    /// Rule 2: whether anything should break there is not known.
+    NoPilot,
     /// Rule 2: over 20 % of an arm's cases are unsettled.
     NoPlateau {
         /// The arm.
@@ -115,10 +117,12 @@ pub enum FloorCause {
 /// Why the metric cannot be trusted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum MetricFault {
-    /// The arms' placements fall apart at stretches over 15 % apart.
-    Calibration,
+    /// The calibration by stretch could not be made.
+    NotCalibrated,
     /// An impact at zero speed or an elastic ball reads as more than one piece.
     NoiseFloor,
+    /// Neither an impact at zero speed nor an elastic ball was run.
+    NoiseFloorNotRun,
 }
 
 impl From<Finding> for Verdict {
@@ -157,7 +161,10 @@ impl fmt::Display for Reason {
         match self {
             Self::Floor(_) => f.write_str("floor"),
             Self::NoPlateau { .. } => f.write_str("no plateau"),
-            Self::Metric(_) => f.write_str("metric"),
+            Self::NoPilot => f.write_str("no pilot"),
+            Self::Metric(MetricFault::NotCalibrated) => f.write_str("not calibrated"),
+            Self::Metric(MetricFault::NoiseFloor) => f.write_str("metric"),
+            Self::Metric(MetricFault::NoiseFloorNotRun) => f.write_str("noise floor not run"),
             Self::Damping { .. } => f.write_str("damping"),
             Self::MethodsDisagree { .. } => f.write_str("t and BCa disagree"),
             Self::Unresolved => f.write_str("not resolved"),
@@ -210,11 +217,15 @@ impl Reason {
             Self::NoPlateau { arm, share } => {
                 format!("{:.0} % of the cases of arm `{arm}` are unsettled", 100.0 * share)
             }
-            Self::Metric(MetricFault::Calibration) => {
-                "the arms' placements fall apart at stretches over 15 % apart".into()
+            Self::NoPilot => "no pilot has looked for a speed at which the ball breaks".into(),
+            Self::Metric(MetricFault::NotCalibrated) => {
+                "at which stretch the arms' placements seem to fall apart could not be measured".into()
             }
             Self::Metric(MetricFault::NoiseFloor) => {
                 "an impact at zero speed or an elastic ball reads as more than one piece".into()
+            }
+            Self::Metric(MetricFault::NoiseFloorNotRun) => {
+                "no case that nothing can break was run, to show that the metric reads one piece".into()
             }
             Self::Damping { ratio } => {
                 format!("mean damping integrals of the arms differ by {:.1} %", 100.0 * (ratio - 1.0))

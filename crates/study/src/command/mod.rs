@@ -19,7 +19,7 @@ pub enum Exit {
     ExpectationFailed = 1,
     /// Usage or bad input.
     BadInput = 2,
-    /// Cases failed.
+    /// Cases stopped or could not be stored.
     CasesFailed = 3,
 }
 
@@ -28,7 +28,7 @@ pub enum Exit {
 pub enum Command {
     /// List the cases of a study: how many, which are there, what would run
     Plan(StudyArguments),
-    /// Run the cases of a study that have not been run, and write its tables
+    /// Run the cases of a study that have not been run, and write its tables; exit code 3 where a case has stopped
     Run {
         #[command(flatten)]
         study: StudyArguments,
@@ -61,15 +61,21 @@ pub enum Command {
         /// Points: CSV or PLY with columns x, y[, z]
         file: PathBuf,
         /// Linking length, in the unit of the points
-        #[arg(long)]
+        #[arg(long, allow_negative_numbers = true)]
         link: f64,
         /// Fragments lighter than this share of the whole count as dust
-        #[arg(long, default_value_t = snowlab_study::fragments_command::DEFAULT_MIN_MASS_SHARE)]
+        #[arg(long, allow_negative_numbers = true, default_value_t = snowlab_study::fragments_command::DEFAULT_MIN_MASS_SHARE)]
         min_mass_share: f64,
         /// Print JSON
         #[arg(long)]
         json: bool,
     },
+}
+
+/// An error with its causes.
+fn in_full(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(error.source(), |cause| cause.source());
+    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
 }
 
 /// Which study, and where its results are.

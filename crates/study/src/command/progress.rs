@@ -5,9 +5,11 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use snowlab_study::results::CaseError;
 use snowlab_study::schedule::Progress;
+use snowlab_study::store::StoreError;
 use snowlab_study::sweep::Case;
+
+use super::in_full;
 
 /// Time between plain lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(10);
@@ -67,9 +69,9 @@ impl Progress for Bar {
         }
     }
 
-    fn finished(&self, case: &Case, result: Result<(), &CaseError>) {
+    fn finished(&self, case: &Case, result: Result<(), &StoreError>) {
         if let Err(error) = result {
-            let line = format!("{} block {}: {error}", case.arm, case.block);
+            let line = format!("{} block {}: {}", case.arm, case.block, in_full(error));
             match &self.bar {
                 Some(bar) => bar.suspend(|| eprintln!("{line}")),
                 None => eprintln!("{line}"),

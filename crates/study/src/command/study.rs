@@ -13,7 +13,7 @@ use snowlab_study::table::{Table, dictionary};
 use snowlab_study::{check as expectations, tables};
 
 use super::progress::Bar;
-use super::{Exit, StudyArguments};
+use super::{Exit, StudyArguments, in_full};
 
 struct Opened {
     study: Study,
@@ -50,34 +50,39 @@ pub fn plan(arguments: &StudyArguments) -> anyhow::Result<Exit> {
     Ok(Exit::Done)
 }
 
-/// Runs what is missing and writes the tables.
+/// Runs what is missing and writes the tables. Cases that stopped, now or before, are told by the exit code.
 pub fn run(arguments: &StudyArguments, jobs: Option<usize>) -> anyhow::Result<Exit> {
     let Opened { study, .. } = open(arguments)?;
     let archive = Archive::open(&study, &arguments.out, folder(arguments))?;
     let missing = archive.missing();
     eprintln!("{}: {} cases, {} to run", study.spec.name, study.cases.len(), missing.len());
     let jobs = jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let mut unstored = 0;
     let failures = match run_cases(&archive, &missing, jobs, &Bar::new(missing.len())) {
         Ok(()) => Vec::new(),
         Err(failures) => failures,
     };
-    for (index, error) in &failures {
-        let case = &study.cases[*index];
-        eprintln!("failed: {} block {}: {error}", case.arm, case.block);
+    for (index, error) in failures {
+        let case = &study.cases[index];
+        eprintln!("failed: {} block {}: {}", case.arm, case.block, in_full(&error));
+        unstored += 1;
     }
-    let results = finished(&archive)?;
+    let results = archive.results()?;
     write_tables(&archive, &results, &[])?;
     let stopped: Vec<_> = results.iter().filter_map(stopped).collect();
     stopped.iter().for_each(|line| eprintln!("{line}"));
+    if !stopped.is_empty() {
+        eprintln!("{} of {} cases stopped; they are rows of the tables", stopped.len(), results.len());
+    }
     println!("{}", archive.store.root().join("cases.csv").display());
-    Ok(if failures.is_empty() { Exit::Done } else { Exit::CasesFailed })
+    Ok(if unstored == 0 && stopped.is_empty() { Exit::Done } else { Exit::CasesFailed })
 }
 
 /// Writes tables, figures and report.
 pub fn report(arguments: &StudyArguments) -> anyhow::Result<Exit> {
     let Opened { study, text } = open(arguments)?;
     let archive = Archive::open(&study, &arguments.out, folder(arguments))?;
-    let results = finished(&archive)?;
+    let results = archive.results()?;
     let missing = study.cases.len() - results.len();
     anyhow::ensure!(
         !results.is_empty(),
@@ -86,7 +91,10 @@ pub fn report(arguments: &StudyArguments) -> anyhow::Result<Exit> {
     );
     let (judged, gates) = assess_claims(&archive, &results)?;
     write_tables(&archive, &results, &[tables::claims(&judged)])?;
-    judged.iter().for_each(|judged| println!("{}", judged.assessment));
+    for judged in &judged {
+        println!("{}", judged.assessment);
+        println!("  measured by {}; calibration by stretch {}", judged.primary, judged.calibration);
+    }
     gates.words.iter().for_each(|line| println!("{line}"));
     if missing > 0 {
         eprintln!("{missing} cases have not been run; run `snowlab run` to complete the study");
@@ -104,19 +112,13 @@ pub fn check(arguments: &StudyArguments) -> anyhow::Result<Exit> {
     let Opened { study, .. } = open(arguments)?;
     let archive = Archive::open(&study, &arguments.out, folder(arguments))?;
     let results = (0..study.cases.len()).map(|index| archive.result(index)).collect::<Result<Vec<_>, _>>()?;
-    let findings = expectations::check(&study, &results)?;
+    let findings = expectations::check(&study, &results);
     for finding in &findings {
         println!("{}  {}", if finding.holds { "holds " } else { "FAILED" }, finding.line);
     }
     let failed = findings.iter().filter(|finding| !finding.holds).count();
     println!("{}: {} expectations, {failed} failed", study.spec.name, findings.len());
     Ok(if failed == 0 { Exit::Done } else { Exit::ExpectationFailed })
-}
-
-/// Results of the cases that have been run.
-fn finished(archive: &Archive) -> anyhow::Result<Vec<CaseResult>> {
-    let run = (0..archive.study.cases.len()).filter(|&index| archive.case_folder(index).is_finished());
-    Ok(run.map(|index| archive.result(index)).collect::<Result<_, _>>()?)
 }
 
 fn stopped(result: &CaseResult) -> Option<String> {

@@ -34,10 +34,13 @@ pub struct Tick {
     pub label: String,
 }
 
+/// Share of the axis at either side of a value that has no other beside it (chosen: enough for a tick or two).
+const ALONE: f64 = 0.05;
+
 impl Axis {
-    /// The smallest axis that holds all values with `pad` of its length free at both ends. Values that are not
-    /// finite (or not positive on a logarithmic axis) are passed over; without any the axis runs from 0 to 1 (from
-    /// 0.1 to 1).
+    /// The smallest axis that holds all values with `pad` of its length free at both ends; round values that are all
+    /// the same there is room even where `pad` is 0. Values that are not finite (or not positive on a logarithmic axis)
+    /// are passed over; without any the axis runs from 0 to 1 (from 0.1 to 1).
     pub fn around(scale: Scale, values: impl IntoIterator<Item = f64>, pad: f64) -> Self {
         let mut range: Option<[f64; 2]> = None;
         for value in values {
@@ -51,11 +54,15 @@ impl Axis {
             (Scale::Logarithmic, None) => Self { scale, low: 0.1, high: 1.0 },
             (Scale::Linear, Some([low, high])) => {
                 let least = 1e-9 * low.abs().max(high.abs());
-                let width = if high - low > least { high - low } else { low.abs().max(1.0) };
+                let alone = high - low <= least;
+                let width = if alone { low.abs().max(1.0) } else { high - low };
+                let pad = if alone { pad.max(ALONE) } else { pad };
                 Self { scale, low: low - pad * width, high: high + pad * width }
             }
             (Scale::Logarithmic, Some([low, high])) => {
-                let width = if high / low > 1.0 + 1e-9 { libm::log(high / low) } else { 2.0 };
+                let alone = high / low <= 1.0 + 1e-9;
+                let width = if alone { 2.0 } else { libm::log(high / low) };
+                let pad = if alone { pad.max(ALONE) } else { pad };
                 Self { scale, low: low * libm::exp(-pad * width), high: high * libm::exp(pad * width) }
             }
         }
@@ -98,8 +105,11 @@ impl Ranged for Axis {
     }
 }
 
-/// Multiples of 1, 2 or 5 times a power of ten.
+/// Multiples of 1, 2 or 5 times a power of ten; none on an axis that has no length.
 fn linear_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
+    if !(high > low && (high - low).is_finite()) {
+        return Vec::new();
+    }
     let raw = (high - low) / most.max(2) as f64;
     let exponent = libm::floor(libm::log10(raw));
     let power = libm::pow(10.0, exponent);
@@ -111,8 +121,12 @@ fn linear_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
     (first..=last).map(|k| k as f64 * step).map(|value| Tick { value, label: fixed(value, digits) }).collect()
 }
 
-/// Decades, with labels at 1, 2 and 5 where the axis is short, and minor ticks between.
+/// Decades, with labels at 1, 2 and 5 where the axis is short, and minor ticks between; none on an axis that has no
+/// length.
 fn logarithmic_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
+    if !(low > 0.0 && high > low && high.is_finite()) {
+        return Vec::new();
+    }
     let decades = libm::log10(high / low);
     let [first, last] = [low, high].map(|v| libm::floor(libm::log10(v)) as i32);
     let every = libm::ceil(decades / most.max(2) as f64).max(1.0) as i32;

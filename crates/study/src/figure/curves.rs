@@ -81,10 +81,13 @@ const BELOW: f64 = 92.0;
 /// Draws the figure; see [`Curves`].
 ///
 /// # Errors
-/// [`FigureError`] if there is no quantity, or a column has the wrong length.
+/// [`FigureError`] if there is no quantity or no curve, or a column has the wrong length.
 pub fn curves(figure: &Curves<'_>) -> Result<Drawing, FigureError> {
     if figure.quantities.is_empty() {
         return Err(FigureError::Nothing { what: "quantity" });
+    }
+    if figure.quantities.iter().all(|quantity| quantity.curves.is_empty()) {
+        return Err(FigureError::Nothing { what: "curve" });
     }
     for curve in figure.quantities.iter().flat_map(|quantity| quantity.curves) {
         for (column, values) in [("middle", curve.middle), ("low", curve.low), ("high", curve.high)] {

@@ -15,8 +15,9 @@ pub const MAX_PARTICLES: usize = 1 << 27;
 pub enum MetricError {
     /// A coordinate is NaN, infinite or beyond 1e100 m.
     #[error(
-        "metrics: position of particle {index} on axis {axis} is {value}; it must be finite and at most \
-         1e100 m from 0: measure a frame from before the case diverged"
+        "metrics: position of particle {index} on axis {axis} is {}; it must be finite and at most \
+         1e100 m from 0: measure a frame from before the case diverged",
+        number(*value)
     )]
     Position {
         /// The particle, as an index into the positions.
@@ -27,7 +28,7 @@ pub enum MetricError {
         value: f64,
     },
     /// A mass is zero, negative, NaN or infinite.
-    #[error("metrics: mass of particle {index} is {value} kg; it must be finite and above 0")]
+    #[error("metrics: mass of particle {index} is {} kg; it must be finite and above 0", number(*value))]
     Mass {
         /// The particle, as an index into the masses.
         index: usize,
@@ -35,7 +36,7 @@ pub enum MetricError {
         value: f64,
     },
     /// A value per particle or fragment is NaN or infinite.
-    #[error("metrics: {quantity} number {index} is {value}; it must be finite")]
+    #[error("metrics: {quantity} number {index} is {}; it must be finite", number(*value))]
     Value {
         /// What it is.
         quantity: &'static str,
@@ -57,7 +58,10 @@ pub enum MetricError {
         actual: usize,
     },
     /// A parameter lies outside what is allowed.
-    #[error("metrics: {parameter} is {value}; allowed is {least} to {greatest}")]
+    #[error(
+        "metrics: {parameter} is {}; allowed is {} to {}",
+        number(*value), number(*least), number(*greatest)
+    )]
     Parameter {
         /// Its name and unit.
         parameter: &'static str,
@@ -76,6 +80,12 @@ pub enum MetricError {
         /// The number allowed.
         greatest: usize,
     },
+}
+
+/// A number in few characters: very large and very small ones as powers of ten.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 || (1e-6..1e9).contains(&size) { format!("{value}") } else { format!("{value:e}") }
 }
 
 /// Refuses positions [m] that are not finite or beyond the greatest of [`LENGTH_RANGE`], naming the first

@@ -2,22 +2,19 @@
 
 use super::error::{MetricError, check_length, check_masses, check_parameter};
 use super::exact_sum::FixedPoint;
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::Rng;
+use snowlab_sampler::{Purpose, Streams};
 use snowlab_solver::geometry::Vector;
 
 /// How many random subsets are averaged where a placement has no prefix property.
 pub const SUBSETS: usize = 16;
-/// The name of the random stream subsets are drawn from; its bytes, as a big-endian number, are the stream of
-/// ChaCha8.
-const STREAM: u64 = u64::from_be_bytes(*b"thinning");
 
 /// Which particles stand for the whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Thinning {
     /// The particles of lowest id: for random placement, where any prefix is a random placement itself.
     Prefix,
-    /// 16 random subsets, drawn from the stream `thinning` of this seed: for every other placement.
+    /// 16 random subsets, drawn from the stream [`Purpose::Thinning`] of this seed: for every other placement.
     RandomSubsets {
         /// The seed of the block.
         seed: u64,
@@ -44,8 +41,7 @@ impl Thinning {
         };
         match self {
             Self::RandomSubsets { seed } if count < particles => {
-                let mut random = ChaCha8Rng::seed_from_u64(seed);
-                random.set_stream(STREAM);
+                let mut random = Streams::new(seed).stream(Purpose::Thinning);
                 Ok((0..SUBSETS).map(|_| ascending(&draw(&by_id, count, &mut random))).collect())
             }
             _ => Ok(vec![ascending(&by_id[..count])]),

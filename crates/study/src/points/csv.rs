@@ -84,7 +84,7 @@ fn of_csv(path: &Path, error: ::csv::Error) -> PointsError {
     match error.into_kind() {
         ErrorKind::Io(error) => match error.downcast::<PointsError>() {
             Ok(error) => error,
-            Err(source) => PointsError::Io { path: path.into(), source },
+            Err(reason) => PointsError::Io { path: path.into(), reason },
         },
         kind => format_error(path, 0, format!("not CSV: {kind:?}")),
     }

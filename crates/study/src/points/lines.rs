@@ -26,7 +26,7 @@ impl Lines {
             Ok(file) => {
                 Ok(Self { path: path.into(), rest: BufReader::new(file), line: 0, bytes: Vec::new() })
             }
-            Err(source) => Err(PointsError::Io { path: path.into(), source }),
+            Err(reason) => Err(PointsError::Io { path: path.into(), reason }),
         }
     }
 
@@ -36,7 +36,7 @@ impl Lines {
             self.bytes.clear();
             let longest = LONGEST_LINE as u64;
             let read = (&mut self.rest).take(longest + 1).read_until(b'\n', &mut self.bytes);
-            if read.map_err(|source| self.io(source))? == 0 {
+            if read.map_err(|reason| self.io(reason))? == 0 {
                 return Ok(None);
             }
             self.line += 1;
@@ -69,8 +69,8 @@ impl Lines {
     }
 
     /// A failure of the file itself.
-    pub fn io(&self, source: std::io::Error) -> PointsError {
-        PointsError::Io { path: self.path.clone(), source }
+    pub fn io(&self, reason: std::io::Error) -> PointsError {
+        PointsError::Io { path: self.path.clone(), reason }
     }
 }
 

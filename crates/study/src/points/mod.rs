@@ -50,12 +50,12 @@ pub enum AnyPointCloud {
 #[derive(Debug, Error)]
 pub enum PointsError {
     /// It cannot be read or written.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {reason}", path.display())]
     Io {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: std::io::Error,
+        reason: std::io::Error,
     },
     /// It is not what its name says, or the points cannot be put into a file.
     #[error("{}{}: {message}", path.display(), of_line(*line))]
@@ -147,7 +147,7 @@ fn write_columns<const D: usize>(
         form(&mut file, positions, velocities, masses)?;
         file.flush()
     };
-    save().map_err(|source| PointsError::Io { path: path.into(), source })
+    save().map_err(|reason| PointsError::Io { path: path.into(), reason })
 }
 
 fn extension(path: &Path) -> String {

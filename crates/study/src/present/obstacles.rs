@@ -1,6 +1,6 @@
 //! Obstacles as they are drawn: outlines in the plane.
 
-use crate::spec::scene::{ColliderSpec, SolidSpec};
+use crate::spec::scene::{BallSpec, BoxSpec, ColliderSpec, SolidSpec};
 
 /// Reach of a half-space on the paper [m] (chosen: beyond any picture).
 const FAR: f64 = 1e4;
@@ -17,13 +17,13 @@ pub(super) fn outline(collider: &ColliderSpec, time: f64) -> Vec<[f64; 2]> {
             let [nx, ny] = [FAR * normal[0] / length, FAR * normal[1] / length];
             [[-ny, nx], [ny, -nx], [ny - nx, -nx - ny], [-ny - nx, nx - ny]].map(|o| at(point, o)).to_vec()
         }
-        SolidSpec::Ball { centre, radius } => (0..CORNERS)
+        SolidSpec::Ball(BallSpec { centre, radius }) => (0..CORNERS)
             .map(|k| {
                 let angle = k as f64 * std::f64::consts::TAU / CORNERS as f64;
                 at(centre, [radius * libm::cos(angle), radius * libm::sin(angle)])
             })
             .collect(),
-        SolidSpec::Box { centre, half_extent, angle } => {
+        SolidSpec::Box(BoxSpec { centre, half_extent, angle }) => {
             let (sin, cos) = libm::sincos(angle.to_radians());
             let corner = |[x, y]: [f64; 2]| {
                 let (x, y) = (x * half_extent[0], y * half_extent[1]);
@@ -45,7 +45,8 @@ mod tests {
 
     #[test]
     fn a_box_turned_by_45_degrees_stands_on_its_corner() {
-        let shape = SolidSpec::Box { centre: vec![1.0, 0.0], half_extent: vec![0.1, 0.1], angle: 45.0 };
+        let shape =
+            SolidSpec::Box(BoxSpec { centre: vec![1.0, 0.0], half_extent: vec![0.1, 0.1], angle: 45.0 });
         let corners = outline(&collider(shape), 0.0);
         let top = corners.iter().fold([0.0, 0.0_f64], |top, p| if p[1] > top[1] { *p } else { top });
         assert!((top[0] - 1.0).abs() < 1e-12 && (top[1] - 0.1 * std::f64::consts::SQRT_2).abs() < 1e-12);

@@ -40,8 +40,10 @@ pub fn page(
     figures: Vec<ReportFigure>,
 ) -> Result<String, ReportError> {
     let spec = &findings.archive.study.spec;
-    let mut caveats = findings.gates.words.clone();
-    caveats.insert(0, "PS17 gives no grid spacing, time step, speed or friction: a claim that is refuted here is not reproduced under these conditions.".into());
+    let mut caveats = spec.caveats.clone();
+    if !findings.judged.is_empty() {
+        caveats.extend(findings.gates.words.iter().cloned());
+    }
     caveats.extend(pilot_words(findings));
     let data = ReportData {
         title: spec.name.clone(),
@@ -78,7 +80,8 @@ fn arms(findings: Findings) -> Vec<ReportArm> {
     let mut arms: Vec<ReportArm> = Vec::new();
     for group in groups(findings.results) {
         let first = group[0];
-        let made = &first.record.made;
+        let built = group.iter().find(|result| result.record.was_built()).unwrap_or(&first);
+        let made = &built.record.made;
         let ended = group.iter().filter(|result| usable(result)).count();
         let voids = if made.voids > 0 {
             format!(", {} voids, porosity {:.3}{}", made.voids, made.porosity, selection(&group))
@@ -131,6 +134,13 @@ fn verdict(findings: Findings, judged: &crate::evaluate::Judged) -> ReportVerdic
     };
     let intervals: Vec<String> =
         [pair("t", evidence.interval_t), pair("BCa", evidence.interval_bca)].into_iter().flatten().collect();
+    let checks: Vec<String> = judged.assessment.checks.iter().map(ToString::to_string).collect();
+    let measured = format!("measured by {}; calibration by stretch {}", judged.primary, judged.calibration);
+    let mut conditions =
+        vec![contrast(findings, &judged.claim.contrast), judged.assessment.explanation.clone(), measured];
+    if !checks.is_empty() {
+        conditions.push(format!("measured otherwise: {}", checks.join("; ")));
+    }
     ReportVerdict {
         claim: judged.claim.id.clone(),
         sentence: judged.claim.sentence.clone(),
@@ -143,7 +153,7 @@ fn verdict(findings: Findings, judged: &crate::evaluate::Judged) -> ReportVerdic
             Verdict::Inconclusive(_) => ReportOutcome::Inconclusive,
             Verdict::NotRun(_) => ReportOutcome::NotRun,
         },
-        conditions: vec![contrast(findings, &judged.claim.contrast), judged.assessment.explanation.clone()],
+        conditions,
     }
 }
 
@@ -172,13 +182,9 @@ fn summary(findings: Findings) -> ReportTable {
 
 fn failures(findings: Findings) -> Vec<ReportFailure> {
     let failed = |result: &crate::results::CaseResult| {
-        let reason = match (&result.record.outcome, &result.metrics) {
-            (Outcome::Stopped { message, .. }, _) => message.clone(),
-            (_, Some(metrics)) if !metrics.gate_valid => metrics.gate.clone(),
-            (Outcome::OkWithClamps, _) => format!("J_P met a bound {} times", result.record.clamps),
-            (_, None) => "its frames cannot be measured".into(),
-            _ => return None,
-        };
+        let clamped = matches!(result.record.outcome, Outcome::OkWithClamps)
+            .then(|| format!("J_P met a bound {} times", result.record.clamps));
+        let reason = result.failure().or(clamped)?;
         let case = format!("{}, block {}", name(findings, result), result.case.block);
         Some(ReportFailure { case, status: result.record.outcome.in_words(), reason })
     };

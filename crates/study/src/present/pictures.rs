@@ -37,7 +37,10 @@ pub fn snowballs(findings: Findings) -> anyhow::Result<Vec<Titled>> {
     let spec = &findings.archive.study.spec;
     let mut pictures: BTreeMap<&str, Vec<Ball>> = BTreeMap::new();
     for arm in &spec.arm {
-        let first = findings.results.iter().find(|r| r.case.arm == arm.id && r.case.scene.dimension == 2);
+        let first = findings
+            .results
+            .iter()
+            .find(|r| r.case.arm == arm.id && r.case.scene.dimension == 2 && r.record.was_built());
         if let (Some(name), Some(result)) = (&arm.picture, first) {
             pictures.entry(name).or_default().push(ball(findings, result)?);
         }

@@ -1,6 +1,7 @@
 //! What a user writes: scene and study files in TOML. Every key is documented in `docs/input.md`.
 
 pub mod override_path;
+mod place;
 pub mod range;
 mod refusal;
 pub mod scene;
@@ -48,9 +49,13 @@ impl SpecError {
 
     /// The same error with `place` before its own place.
     pub fn within(self, place: impl Display) -> Self {
+        self.before(format!("{place}: "))
+    }
+
+    fn before(self, text: String) -> Self {
         match self {
-            SpecError::Value { place: inner, message } => {
-                SpecError::Value { place: format!("{place}: {inner}"), message }
+            SpecError::Value { place, message } => {
+                SpecError::Value { place: format!("{text}{place}"), message }
             }
             other => other,
         }
@@ -121,7 +126,13 @@ pub fn parse<S: Spec>(text: &str) -> Result<S, SpecError> {
         let places = [same.map(|error| line_of(text, &error)), named(&key)];
         SpecError::value(places.into_iter().flatten().collect::<Vec<_>>().join(", "), message)
     })?;
-    spec.validate()?;
+    spec.validate().map_err(|error| match &error {
+        SpecError::Value { place, .. } => match place::line_of_key(text, place) {
+            Some(line) => error.before(format!("line {line}, ")),
+            None => error,
+        },
+        SpecError::Read { .. } => error,
+    })?;
     Ok(spec)
 }
 

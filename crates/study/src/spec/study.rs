@@ -17,6 +17,9 @@ pub struct StudySpec {
     pub name: String,
     /// The question it answers, in a sentence or two.
     pub question: String,
+    /// What a reader of the report must know before the verdicts.
+    #[serde(default)]
+    pub caveats: Vec<String>,
     /// The scene that arms and sweeps vary.
     pub scene: toml::Table,
     /// Blocks: seeds shared by the arms of a comparison.
@@ -73,9 +76,32 @@ pub struct ArmSpec {
     /// Number of blocks, where it differs from the study's.
     #[serde(default)]
     pub blocks: Option<u64>,
+    /// What it checks, where it is the same as another arm but for the step or the transfer.
+    #[serde(default)]
+    pub check: Option<CheckSpec>,
     /// Name of the figure in which the arm's first block is pictured before and after; none when left out.
     #[serde(default)]
     pub picture: Option<String>,
+}
+
+/// What an arm runs again, to check a claim.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CheckSpec {
+    /// The arm that is run again: its `set` holds here too, before the arm's own.
+    pub of: String,
+    /// What is changed.
+    pub by: Rerun,
+}
+
+/// Changes that an answer must withstand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rerun {
+    /// Half the time step.
+    HalfStep,
+    /// The other transfer.
+    OtherTransfer,
 }
 
 /// One axis of a sweep.

@@ -3,10 +3,11 @@
 use std::collections::BTreeSet;
 
 use super::range::{NOT_NEGATIVE, POSITIVE, Range, at_least, within};
-use super::study::{BlockSpec, DEFAULT_PROFILE, ExpectSpec, MeasureSpec, ProfileSpec, SweepSpec};
+use super::study::{BlockSpec, CheckSpec, DEFAULT_PROFILE, ExpectSpec, MeasureSpec, ProfileSpec, SweepSpec};
 use super::{Spec, SpecError, StudySpec};
 use crate::claims::Claim;
-use crate::tables::OWN_COLUMNS;
+use crate::store::FOLDERS;
+use crate::tables::{CASE_NUMBERS, OWN_COLUMNS};
 
 /// Every number of a study with a range, by its key; a profile's `blocks` and `measure` have the same.
 pub const RULES: &[(&str, Range)] = &[
@@ -57,8 +58,23 @@ impl StudySpec {
                 check_number(&format!("arm.{number}.blocks"), "arm.*.blocks", count as f64)?;
             }
             self.check_seed_is_not_set(&format!("arm.{number}.set"), arm.set.keys())?;
+            if let Some(check) = &arm.check {
+                let repeated = self.arm[..number].iter().any(|before| before.check.as_ref() == Some(check));
+                self.check_check(&format!("`arm.{number}.check`"), check, repeated)?;
+            }
             // It becomes the name of a file.
             arm.picture.iter().try_for_each(|name| check_name(&format!("`arm.{number}.picture`"), name))?;
+        }
+        Ok(())
+    }
+
+    fn check_check(&self, place: &str, check: &CheckSpec, repeated: bool) -> Result<(), SpecError> {
+        self.check_arm(place.into(), &check.of)?;
+        if self.arm.iter().any(|arm| arm.id == check.of && arm.check.is_some()) {
+            return refuse(place, format!("is of \"{}\", which is a check itself", check.of));
+        }
+        if repeated {
+            return refuse(place, format!("is of \"{}\" by what an arm before checks already", check.of));
         }
         Ok(())
     }
@@ -83,6 +99,11 @@ impl StudySpec {
         }
         let known: Vec<&str> = self.arm.iter().map(|arm| arm.id.as_str()).collect();
         refuse(place, format!("names the arm \"{id}\"; the study has: {}", known.join(", ")))
+    }
+
+    /// What the arm checks, if it is a check.
+    pub fn check_of(&self, id: &str) -> Option<&CheckSpec> {
+        self.arm.iter().find(|arm| arm.id == id).and_then(|arm| arm.check.as_ref())
     }
 
     fn check_sweep(&self) -> Result<(), SpecError> {
@@ -112,6 +133,10 @@ impl StudySpec {
         let place = format!("`{family}.{number}.contrast`");
         claim.validate().or_else(|error| refuse(&place, error.to_string()))?;
         claim.arms().into_iter().try_for_each(|id| self.check_arm(place.clone(), id))?;
+        if let Some(id) = claim.arms().into_iter().find(|id| self.check_of(id).is_some()) {
+            let message = format!("names the arm \"{id}\", which only checks another; name that one");
+            return refuse(place, message);
+        }
         if self.sweep.iter().any(|axis| axis.values.len() > 1) {
             let message = "compares arms, which a sweep runs more than once in a block; leave out [[sweep]]";
             return refuse(place, message);
@@ -126,6 +151,7 @@ impl StudySpec {
             let message = format!("is [{least:?}, {greatest:?}]; allowed: [least, greatest], least first");
             return refuse(place("range"), message);
         }
+        self.check_metric(place("metric"), &expect.metric)?;
         expect.arms.iter().try_for_each(|id| self.check_arm(place("arms"), id))?;
         for name in &expect.profiles {
             if name != DEFAULT_PROFILE && !self.profile.contains_key(name) {
@@ -140,9 +166,30 @@ impl StudySpec {
         Ok(())
     }
 
+    fn check_metric(&self, place: String, metric: &str) -> Result<(), SpecError> {
+        let axes = self.sweep.iter().map(|axis| axis.name.as_str());
+        let known: Vec<&str> = CASE_NUMBERS.into_iter().chain(axes).collect();
+        if known.contains(&metric) {
+            return Ok(());
+        }
+        let alike = |name: &str| name.chars().zip(metric.chars()).take_while(|(a, b)| a == b).count();
+        let most = known.iter().map(|name| alike(name)).max().unwrap_or(0);
+        // Those that begin most like it: perhaps one of them is meant.
+        let nearest: Vec<&str> = known.into_iter().filter(|name| most > 0 && alike(name) == most).collect();
+        let hint =
+            if nearest.is_empty() { String::new() } else { format!(", such as {}", nearest.join(", ")) };
+        refuse(place, format!("is \"{metric}\"; allowed: a numeric column of `cases.csv`{hint}"))
+    }
+
     fn check_profile(&self, name: &str, profile: &ProfileSpec) -> Result<(), SpecError> {
         let key = format!("profile.{name}");
         let place = |inner: &str| format!("`{key}.{inner}`");
+        // It becomes the name of a folder beside those of the study.
+        check_name(&format!("`{key}`"), name)?;
+        if FOLDERS.contains(&name) {
+            let message = format!("has the name of a folder of results ({})", FOLDERS.join(", "));
+            return refuse(format!("`{key}`"), format!("{message}; give it another"));
+        }
         if profile.arms.as_ref().is_some_and(Vec::is_empty) {
             return refuse(place("arms"), "is empty; name the arms to run, or leave it out to run all");
         }

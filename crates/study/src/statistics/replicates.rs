@@ -1,3 +1,5 @@
+//! How many blocks a confirmatory study needs, from a pilot that ran its contrast: to be fixed before that study runs.
+
 use serde::Serialize;
 
 use super::distributions::chi_square_quantile;

@@ -144,7 +144,7 @@ pub(super) fn trend(findings: Findings) -> anyhow::Result<Option<Titled>> {
 }
 
 /// Median and 10 % and 90 % quantiles over cases at each abscissa.
-struct Band {
+pub(super) struct Band {
     x: Vec<f64>,
     middle: Vec<f64>,
     low: Vec<f64>,
@@ -153,7 +153,7 @@ struct Band {
 
 impl Band {
     /// `rows` are cases, each a value at each abscissa; as many abscissae are used as all cases have.
-    fn of(x: &[f64], rows: &[Vec<f64>]) -> Self {
+    pub(super) fn of(x: &[f64], rows: &[Vec<f64>]) -> Self {
         let length = rows.iter().map(Vec::len).min().unwrap_or(0).min(x.len());
         let at = |share: f64| -> Vec<f64> {
             let column = |k: usize| rows.iter().map(|row| row[k]).collect::<Vec<_>>();
@@ -162,7 +162,7 @@ impl Band {
         Band { x: x[..length].to_vec(), middle: at(0.5), low: at(0.1), high: at(0.9) }
     }
 
-    fn curve<'a>(&'a self, arm: &'a str) -> Curve<'a> {
+    pub(super) fn curve<'a>(&'a self, arm: &'a str) -> Curve<'a> {
         Curve { arm, x: &self.x, middle: &self.middle, low: &self.low, high: &self.high }
     }
 }

@@ -5,6 +5,7 @@ mod curves;
 mod endpoints;
 mod energies;
 mod pilot;
+mod stretch;
 
 pub use claims::contrast;
 pub use pilot::operating_point;
@@ -17,7 +18,8 @@ use crate::tables::{groups, usable};
 
 use super::{Findings, Titled, drawn};
 
-/// Cases of the arms that are compared: not those of the noise floor, nor those that only make a picture.
+/// Cases of the arms that are compared: not those of the noise floor or of a check, nor those that only make a
+/// picture.
 struct Arms<'a> {
     labels: Vec<String>,
     cases: Vec<Vec<&'a CaseResult>>,
@@ -33,6 +35,7 @@ pub fn all(findings: Findings) -> anyhow::Result<Vec<Titled>> {
         endpoints::endpoints(&arms)?,
         endpoints::distributions(&arms)?,
         curves::links(findings, &arms)?,
+        stretch::stretch(findings)?,
         curves::histories(&arms)?,
         energies::energies(findings)?,
         curves::trend(findings)?,
@@ -47,10 +50,12 @@ impl<'a> Arms<'a> {
         let judged = spec.claim.iter().chain(&spec.control).flat_map(|claim| claim.arms());
         let judged: Vec<&str> = judged.collect();
         let mut arms = Arms { labels: Vec::new(), cases: Vec::new() };
-        for group in groups(findings.results) {
+        let groups = groups(findings.results);
+        let most = groups.iter().map(Vec::len).max().unwrap_or(0);
+        for group in groups {
             let id = group[0].case.arm.as_str();
-            let floor = spec.noise_floor.iter().any(|arm| arm == id);
-            let only_pictured = group.len() == 1 && !judged.contains(&id);
+            let floor = spec.noise_floor.iter().any(|arm| arm == id) || spec.check_of(id).is_some();
+            let only_pictured = group.len() == 1 && most > 1 && !judged.contains(&id);
             let cases: Vec<&CaseResult> = group.iter().copied().filter(|result| usable(result)).collect();
             if !floor && !only_pictured && !cases.is_empty() {
                 arms.labels.push(findings.archive.study.label(id));
