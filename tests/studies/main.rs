@@ -5,5 +5,6 @@ mod figures;
 mod input_page;
 mod notation;
 mod report;
+mod rollback;
 mod runner;
 mod statistics;

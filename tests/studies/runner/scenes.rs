@@ -95,3 +95,37 @@ fn energies_and_forces_are_written_beside_the_frames() {
     assert!(impulse > 0.2 * momentum && impulse < 2.0 * momentum, "{impulse} of {momentum}");
     assert!((number(0, "kinetic") / (0.5 * 8.0 * momentum) - 1.0).abs() < 1e-9);
 }
+
+/// A shorter run in the same folder leaves its own frames there, and whatever else there was.
+#[test]
+fn frames_of_an_earlier_run_are_deleted() {
+    let desk = Desk::with(&[("scene.toml", SCENE), ("short.toml", &SCENE.replace("end = 1.0", "end = 0.5"))]);
+    desk.expect(0, "simulate scene.toml --out frames");
+    for name in ["frame-1.csv", "frame-00003.txt", "notes.csv", "frame-0000x.csv"] {
+        desk.write(&format!("frames/{name}"), "mine");
+    }
+    desk.write("frames/frame-00012.csv", "an earlier run's");
+    desk.expect(2, "simulate nowhere.toml --out frames");
+    assert_eq!(desk.read("frames/frame-00012.csv"), "an earlier run's", "nothing was run");
+    desk.expect(0, "simulate short.toml --out frames");
+    let rows = super::rows(&desk.read("frames/history.csv")).len();
+    let frames = (0..rows).map(|k| format!("frame-{k:05}.csv"));
+    let others = ["frame-00003.txt", "frame-0000x.csv", "frame-1.csv", "history.csv", "notes.csv"];
+    let expected: std::collections::BTreeSet<String> = frames.chain(others.map(String::from)).collect();
+    let found = desk.files("frames").into_keys().map(|name| name.to_string_lossy().into_owned());
+    assert_eq!(found.collect::<std::collections::BTreeSet<_>>(), expected);
+}
+
+/// Where a run stops, its last state is a frame with a row, and no time comes twice.
+#[test]
+fn a_stopped_run_has_a_row_for_every_frame() {
+    let text = SCENE.replace("spacing = 0.05", "spacing = 0.05\nmax_steps = 5");
+    let desk = Desk::with(&[("scene.toml", &text)]);
+    let printed = desk.expect(3, "simulate scene.toml --out frames");
+    assert!(printed.contains("2 frames, 5 steps, stopped(too-many-steps)"), "{printed}");
+    let history = super::rows(&desk.read("frames/history.csv"));
+    let steps: Vec<&str> = history.iter().map(|row| row["steps"].as_str()).collect();
+    assert_eq!(steps, ["0", "5"]);
+    assert!(desk.path("frames/frame-00001.csv").is_file() && !desk.path("frames/frame-00002.csv").exists());
+    assert!(history.iter().all(|row| !row["force_0_y"].is_empty()), "no force is 0/0");
+}
