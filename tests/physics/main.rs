@@ -1,6 +1,7 @@
 //! What the explicit step must do, against closed forms, identities and brute force: no test reads what the solver
 //! computed to say what is right.
 
+mod clamps;
 mod colliders;
 mod column;
 mod conservation;

@@ -1,6 +1,7 @@
 //! Studies from file to report: what is read, run, tested, judged, drawn and written; and the pages against the code.
 
 mod claims;
+mod clamps;
 mod figures;
 mod input_page;
 mod notation;

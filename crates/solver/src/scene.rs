@@ -149,6 +149,13 @@ impl<T: Real, const D: usize> Scene<T, D> {
         self.colliders.iter().try_for_each(|collider| self.validate_collider(collider))
     }
 
+    /// Whether the plastic ratio of some material has bounds.
+    pub fn bounds_plastic_ratio(&self) -> bool {
+        self.materials
+            .iter()
+            .any(|material| matches!(material, Material::Snow(snow) if snow.bounds_plastic_ratio()))
+    }
+
     fn validate_collider(&self, collider: &Collider<T, D>) -> Result<(), SceneError> {
         let friction = collider.friction.as_f64();
         require(friction >= 0.0 && friction.is_finite(), "collider friction", friction, "finite and >= 0")?;

@@ -66,6 +66,7 @@ impl<T: Real, const D: usize> State<T, D> {
         let field = |f: &dyn Fn(&InitialParticle<D>) -> f64| particles.iter().map(|p| T::of(f(p))).collect();
         let local = |v: Vector<f64, D>| v.map(T::of);
         let affine = if scene.transfer.keeps_affine() { particles.len() } else { 0 };
+        let clamped = if scene.bounds_plastic_ratio() { particles.len() } else { 0 };
         Ok(State {
             origin,
             time: 0.0,
@@ -77,6 +78,7 @@ impl<T: Real, const D: usize> State<T, D> {
                 deformation: vec![Matrix::identity(); particles.len()],
                 plastic_ratio: vec![T::one(); particles.len()],
                 stiffness: field(&|p| p.stiffness_scale),
+                clamped: vec![false; clamped],
             },
             constants: ParticleConstants {
                 mass: field(&|p| p.mass),
@@ -108,12 +110,14 @@ impl<T: Real, const D: usize> State<T, D> {
     pub fn validate(&self, scene: &Scene<T, D>) -> Result<(), SceneError> {
         let (motion, constants, particles) = (&self.motion, &self.constants, self.len());
         let affine = if scene.transfer.keeps_affine() { particles } else { 0 };
+        let clamped = if scene.bounds_plastic_ratio() { particles } else { 0 };
         for (field, found, expected) in [
             ("velocity", motion.velocity.len(), particles),
             ("affine", motion.affine.len(), affine),
             ("deformation", motion.deformation.len(), particles),
             ("plastic_ratio", motion.plastic_ratio.len(), particles),
             ("stiffness", motion.stiffness.len(), particles),
+            ("clamped", motion.clamped.len(), clamped),
             ("mass", constants.mass.len(), particles),
             ("volume", constants.volume.len(), particles),
             ("stiffness_scale", constants.stiffness_scale.len(), particles),
@@ -126,6 +130,11 @@ impl<T: Real, const D: usize> State<T, D> {
             }
         }
         Ok(())
+    }
+
+    /// Particles whose J_P ever met a bound.
+    pub fn clamped_particles(&self) -> usize {
+        self.motion.clamped.iter().filter(|&&clamped| clamped).count()
     }
 
     /// World position of particle `p` [m].

@@ -118,6 +118,8 @@ pub struct RunRecord {
     pub watchdog_restores: u64,
     /// Times a particle's J_P met a bound.
     pub clamps: u64,
+    /// Particles whose J_P ever met a bound.
+    pub clamped_particles: usize,
     /// Ledgers at each frame.
     pub history: Vec<HistoryRow>,
     /// BLAKE3 of the final state, particles in the order of their ids.
@@ -151,9 +153,17 @@ impl RunRecord {
             rejected_steps: state.ledger.rejected_steps,
             watchdog_restores: state.ledger.watchdog_restores,
             clamps: state.ledger.clamps,
+            clamped_particles: state.clamped_particles(),
             history,
             digest: digest(state),
         }
+    }
+}
+
+impl RunRecord {
+    /// The share of the particles whose J_P ever met a bound, in [0, 1].
+    pub fn clamp_share(&self) -> f64 {
+        self.clamped_particles as f64 / self.made.particles.max(1) as f64
     }
 }
 

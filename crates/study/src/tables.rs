@@ -21,10 +21,11 @@ pub const ENDPOINTS: [&str; 10] = [
     "ln_extent",
 ];
 /// The tables' own columns, whose names an axis of a sweep cannot have.
-pub const OWN_COLUMNS: [&str; 67] = [
+pub const OWN_COLUMNS: [&str; 68] = [
     "arm",
     "block",
     "cases",
+    "clamped_particles",
     "clamps",
     "components",
     "contact_loss",
@@ -131,6 +132,7 @@ pub fn case_row(result: &CaseResult) -> Row {
         .count("rejected_steps", "steps tried and refused", record.rejected_steps)
         .count("watchdog_restores", "times the watchdog went back to a snapshot", record.watchdog_restores)
         .count("clamps", "times a particle's J_P met a bound", record.clamps)
+        .count("clamped_particles", "particles whose J_P ever met a bound", record.clamped_particles as u64)
         .put("kinetic", "J/m or J", "kinetic energy at the end", last.map(|h| h.kinetic))
         .put("elastic", "J/m or J", "elastic energy at the end", last.map(|h| h.elastic))
         .put("plastic_loss", "J/m or J", "energy lost to plastic flow", last.map(|h| h.plastic_loss))

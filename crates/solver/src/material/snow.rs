@@ -26,6 +26,14 @@ pub struct Snow<T> {
     pub plastic_ratio_bounds: (T, T),
 }
 
+impl<T: Real> Snow<T> {
+    /// Whether J_P has bounds that can take effect.
+    pub fn bounds_plastic_ratio(&self) -> bool {
+        let (lower, upper) = self.plastic_ratio_bounds;
+        lower > T::zero() || upper.as_f64() < f64::INFINITY
+    }
+}
+
 impl<T: Real, const D: usize> ConstitutiveModel<T, D> for Snow<T> {
     #[inline]
     fn lame(&self) -> Lame<T> {

@@ -158,7 +158,10 @@ fn failures(findings: Findings) -> Vec<ReportFailure> {
         let reason = match (&result.record.outcome, &result.metrics) {
             (Outcome::Stopped { message, .. }, _) => message.clone(),
             (_, Some(metrics)) if !metrics.gate_valid => metrics.gate.clone(),
-            (Outcome::OkWithClamps, _) => format!("J_P met a bound {} times", result.record.clamps),
+            (Outcome::OkWithClamps, _) => format!(
+                "J_P of {} particles met a bound, {} times",
+                result.record.clamped_particles, result.record.clamps
+            ),
             (_, None) => "its frames cannot be measured".into(),
             _ => return None,
         };
