@@ -47,8 +47,7 @@ fn frames_are_read_by_fragments() {
 fn a_frame_is_a_placement_to_the_last_digit() {
     let desk = Desk::with(&[("scene.toml", SCENE)]);
     desk.expect(0, "simulate scene.toml --out frames");
-    let placement =
-        "placement = { kind = \"file\", path = \"frames/frame-00002.csv\", filled_volume = 0.2 }\n#";
+    let placement = "placement = { kind = \"file\", path = \"frames/frame-00002.csv\" }\n#";
     let text = SCENE.replace("region =", "#").replace("placement =", placement).replace("velocity =", "#");
     let text = text.replace("time_unit = \"crossing\"", "");
     desk.write("again.toml", &text);
@@ -65,6 +64,65 @@ fn a_frame_is_a_placement_to_the_last_digit() {
     let frame = points::read::<2>(&desk.path("frames/frame-00002.csv")).unwrap();
     assert_eq!(state.motion.velocity, frame.velocities.unwrap(), "velocities are taken with it");
     assert_eq!(state.motion.position, frame.positions);
+    assert_eq!(Some(state.motion.deformation), frame.deformations);
+    assert_eq!(Some(&state.motion.plastic_ratio), frame.plastic_ratios.as_ref());
+    assert_eq!(Some(state.constants.mass), frame.masses);
+    assert_eq!(Some(state.constants.volume), frame.volumes);
+    assert!(
+        frame.plastic_ratios.unwrap().iter().any(|&ratio| ratio < 0.9),
+        "something must have been packed"
+    );
+
+    // A velocity of the scene takes the place of the file's.
+    let text = text.replace("[[collider]]", "velocity = [1.0, 0.0]\n[[collider]]");
+    let moved = assemble::<f64, 2>(&spec::parse(&text).unwrap(), desk.folder.path()).unwrap().state;
+    assert!(moved.motion.velocity.iter().all(|v| *v == Vector::<f64, 2>::new(1.0, 0.0)));
+}
+
+/// Every column of a frame but the particles' numbers is one that the page names as taken.
+#[test]
+fn the_page_names_the_columns_of_a_frame() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/input.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let columns =
+        page.split("A file of points has columns").nth(1).unwrap().split("What a frame has not").next();
+    let three =
+        SCENE.replace("[numerics]", "dimension = 3\n[numerics]").replace("[0.0, 0.3]", "[0.0, 0.0, 0.3]");
+    let three = three.replace("[0.0, -8.0]", "[0.0, 0.0, -8.0]").replace("[0.0, 0.0]", "[0.0, 0.0, 0.0]");
+    let three =
+        three.replace("[0.0, 1.0]", "[0.0, 0.0, 1.0]").replace("[numerics]", "[numerics]\nmax_steps = 1");
+    let desk = Desk::with(&[("scene.toml", &three)]);
+    desk.expect(3, "simulate scene.toml --out frames");
+    let frame = desk.read("frames/frame-00000.csv");
+    let names: Vec<&str> = frame.lines().next().unwrap().split(',').collect();
+    assert_eq!((names[0], names.len()), ("id", 1 + 3 + 3 + 3 + 9));
+    for name in &names[1..] {
+        assert!(columns.unwrap().contains(&format!("`{name}`")), "`{name}` is not on the page");
+    }
+}
+
+/// A run that is taken up from one of its frames ends as the whole run does, but for the round-off of sums in another order.
+#[test]
+fn a_run_goes_on_from_one_of_its_frames() {
+    let whole = SCENE.replace("time_unit = \"crossing\"", "").replace("end_from = \"contact\"", "");
+    let whole =
+        whole.replace("frame_interval = 0.5", "frame_interval = 0.012").replace("end = 1.0", "end = 0.024");
+    let desk = Desk::with(&[("whole.toml", &whole)]);
+    desk.expect(0, "simulate whole.toml --out whole");
+    let placement = "placement = { kind = \"file\", path = \"whole/frame-00001.csv\" }\n#";
+    let rest = whole.replace("region =", "#").replace("placement =", placement).replace("velocity =", "#");
+    desk.write("rest.toml", &rest.replace("end = 0.024", "end = 0.012"));
+    desk.expect(0, "simulate rest.toml --out rest");
+    let cloud = |name: &str| points::read::<2>(&desk.path(name)).unwrap();
+    let (start, expected) = (cloud("whole/frame-00001.csv"), cloud("whole/frame-00002.csv"));
+    let found = cloud("rest/frame-00001.csv");
+    let flowed = start.plastic_ratios.unwrap().iter().filter(|&&ratio| ratio != 1.0).count();
+    assert!(flowed > 50, "{flowed} of 300 particles have yielded by the frame");
+    let apart = |a: &[Vector<f64, 2>], b: &[Vector<f64, 2>]| {
+        a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+    };
+    assert!(apart(&found.positions, &expected.positions) < 1e-9);
+    assert!(apart(&found.velocities.unwrap(), &expected.velocities.unwrap()) < 1e-6);
 }
 
 #[test]
