@@ -4,6 +4,7 @@ mod claims;
 mod clamps;
 mod figures;
 mod input_page;
+mod measure;
 mod notation;
 mod report;
 mod rollback;

@@ -188,7 +188,12 @@ fn measured(row: &mut Row, result: &CaseResult) {
     .put("ln_neff_kernel", "-", "A by the kernel graph", m.map(|m| m.ln_neff_kernel))
     .put("ln_neff_earlier", "-", "A one settle window earlier", m.map(|m| m.ln_neff_earlier))
     .put("ln_extent", "-", "ln of the horizontal width of 90 % of the mass [m]", m.map(|m| m.ln_extent))
-    .put("run_out", "m", "horizontal distance that 95 % of the mass stay within", m.map(|m| m.run_out))
+    .put(
+        "run_out",
+        "m",
+        "horizontal distance from the centre of mass of the first frame that 95 % of the mass stay within",
+        m.map(|m| m.run_out),
+    )
     .put("loosened_1_05", "-", "share of the mass with J_P > 1.05", m.map(|m| m.loosened[0]))
     .put("loosened_1_3", "-", "share of the mass with J_P > 1.3", m.map(|m| m.loosened[1]))
     .put("loosened_2", "-", "share of the mass with J_P > 2", m.map(|m| m.loosened[2]));

@@ -19,10 +19,7 @@ pub(super) fn scene<T: Real, const D: usize>(
     let colliders = spec.collider.iter().enumerate();
     Ok(Scene {
         spacing: T::of(n.spacing),
-        kernel: match n.kernel {
-            KernelName::Cubic => KernelKind::Cubic,
-            KernelName::Quadratic => KernelKind::Quadratic,
-        },
+        kernel: kernel(n.kernel),
         transfer: transfer(n),
         advection: match n.advection {
             AdvectionName::Interpolated => Advection::Interpolated,
@@ -33,6 +30,14 @@ pub(super) fn scene<T: Real, const D: usize>(
         gravity: vector_or_zero::<D>(&spec.gravity, "gravity")?.map(T::of),
         time_step: time_step(n),
     })
+}
+
+/// The kernel that a scene names.
+pub fn kernel(name: KernelName) -> KernelKind {
+    match name {
+        KernelName::Cubic => KernelKind::Cubic,
+        KernelName::Quadratic => KernelKind::Quadratic,
+    }
 }
 
 pub(super) fn transfer(n: &NumericsSpec) -> Transfer {
