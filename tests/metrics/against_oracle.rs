@@ -1,6 +1,7 @@
 //! Every metric against its definition over all pairs, and what must not change the answer.
 
 use crate::support::{BEYOND_THE_RASTER, masses, permutation, placements, rotated, shifted};
+use snowlab_solver::KernelKind;
 use snowlab_solver::geometry::Vector;
 use snowlab_study::metrics::oracle;
 use snowlab_study::metrics::{
@@ -21,9 +22,11 @@ fn all_metrics_equal_their_oracles<const D: usize>() {
 
             let origins = [Vector::zeros(), Vector::from_element(0.37 * length)];
             for origin in origins.into_iter().filter(|_| name != BEYOND_THE_RASTER) {
-                let fast = kernel_graph(&points, &masses, 0.4 * link, origin).unwrap();
-                let slow = oracle::kernel_graph(&points, &masses, 0.4 * link, origin).unwrap();
-                assert_eq!(fast, slow, "kernel graph: {case}");
+                for kernel in [KernelKind::Cubic, KernelKind::Quadratic] {
+                    let fast = kernel_graph(&points, &masses, 0.4 * link, origin, kernel).unwrap();
+                    let slow = oracle::kernel_graph(&points, &masses, 0.4 * link, origin, kernel).unwrap();
+                    assert_eq!(fast, slow, "kernel graph: {case}, {kernel:?}");
+                }
                 let raster = FloodRaster { side: link, origin, rest_density: 3.0 / link.powi(D as i32) };
                 let fast = flood_fill(&points, &masses, raster).unwrap();
                 assert_eq!(fast, oracle::flood_fill(&points, &masses, raster).unwrap(), "flood fill: {case}");

@@ -92,7 +92,7 @@ fn masses_of_the_file_decide_the_shares_and_points_the_sizes() {
         Vector::<f64, 2>::new(0.1, 0.0),
         Vector::<f64, 2>::new(5.0, 0.0),
     ];
-    write_cloud(&path, &PointCloud { positions, masses: Some(vec![1.0, 1.0, 6.0]), velocities: None })
+    write_cloud(&path, &PointCloud { positions, masses: Some(vec![1.0, 1.0, 6.0]), ..PointCloud::default() })
         .unwrap();
     let report = fragments_of_file(&path, 0.2, 0.5).unwrap();
     assert!(report.masses_from_file);

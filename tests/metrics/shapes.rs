@@ -1,6 +1,7 @@
 //! Shapes whose fragments are known, the derived numbers, and input that must be refused.
 
 use crate::support::{SPACING, lattice};
+use snowlab_solver::KernelKind;
 use snowlab_solver::geometry::Vector;
 use snowlab_study::metrics::{
     BondGraph, FloodRaster, FragmentAnalysis, LinkCurve, MetricError, equivalent_diameter, flood_fill,
@@ -111,16 +112,24 @@ fn the_flood_fill_joins_through_sides_and_counts_thin_cells_as_dust() {
 
 #[test]
 fn particles_share_a_node_up_to_the_reach_of_their_kernels() {
-    let joined = |a: f64, b: f64| {
+    let graph = |a: f64, b: f64, kernel: KernelKind| {
         let points = [Point::new(a, 0.3), Point::new(b, 0.3)];
-        kernel_graph(&points, &[1.0; 2], 1.0, Point::zeros()).unwrap().components() == 1
+        kernel_graph(&points, &[1.0; 2], 1.0, Point::zeros(), kernel).unwrap().components() == 1
     };
+    let joined = |a: f64, b: f64| graph(a, b, KernelKind::Cubic);
     assert!(joined(0.01, 3.99), "both reach node 2");
     assert!(!joined(0.0, 3.5), "from node 0 the support ends short of node 2");
     assert!(joined(0.0, 2.99));
     assert!(!joined(0.0, 4.0));
     assert!(joined(-0.5, 3.0) == joined(0.5, 4.0), "the graph moves with the grid");
     assert!(!joined(0.99, 4.01), "3.02 h apart, but no node within 2h of both");
+
+    let joined = |a: f64, b: f64| graph(a, b, KernelKind::Quadratic);
+    assert!(joined(0.51, 3.49), "both reach node 2");
+    assert!(!joined(0.5, 3.0), "from the middle between nodes the support ends short of node 2");
+    assert!(joined(0.5, 2.49));
+    assert!(!joined(0.5, 3.5));
+    assert!(!joined(0.49, 2.51), "2.02 h apart, but no node within 1.5h of both");
 }
 
 #[test]
@@ -175,7 +184,7 @@ fn bad_input_is_refused_by_name_and_number() {
     for link in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let refusal = friends_of_friends(&points, &masses, link).unwrap_err();
         assert!(matches!(refusal, MetricError::Parameter { parameter: "link [m]", .. }), "{refusal}");
-        assert!(kernel_graph(&points, &masses, link, Point::zeros()).is_err());
+        assert!(kernel_graph(&points, &masses, link, Point::zeros(), KernelKind::Cubic).is_err());
         assert!(BondGraph::new(&points, link).is_err());
         assert!(LinkCurve::new(&points, &masses, [link, 1.0]).is_err());
         let raster = FloodRaster { side: link, origin: Point::zeros(), rest_density: 1.0 };

@@ -4,6 +4,7 @@
 
 const ENGINE: snowlab_solver::Engine = snowlab_solver::Engine::Fast;
 
+mod clamps;
 mod colliders;
 mod column;
 mod conservation;

@@ -1,7 +1,7 @@
 //! Plane strain: a 3D slab between two mirrors, uniform across, is the 2D run.
 
 use snowlab_solver::collision::{Collider, Contact};
-use snowlab_solver::geometry::{Shape, Vector};
+use snowlab_solver::geometry::{Matrix, Shape, Vector};
 use snowlab_solver::{InitialParticle, KernelKind, Scene, Simulation, State, Transfer};
 
 use crate::support::{KERNELS, Random, fixed, flip, floor, half_space, scene, state};
@@ -65,6 +65,8 @@ fn deep(
                 volume: p.volume * 0.5 * H,
                 stiffness_scale: p.stiffness_scale,
                 material: p.material,
+                deformation: Matrix::identity(),
+                plastic_ratio: p.plastic_ratio,
             }
         })
     });

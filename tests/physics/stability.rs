@@ -5,11 +5,11 @@ use snowlab_solver::geometry::Vector;
 use snowlab_solver::kernel::{Cubic, Quadratic};
 use snowlab_solver::step::{Workspace, step};
 use snowlab_solver::timestep::{meet, step_length, wave_limit};
-use snowlab_solver::{FlipShare, KernelKind, Scene, Simulation, State, StepLength, Transfer};
+use snowlab_solver::{FlipShare, KernelKind, Material, Scene, Simulation, Snow, State, StepLength, Transfer};
 
 use crate::kernels::gradient_sum;
 use crate::support::{
-    KERNELS, Random, assert_near, elastic, elastic_scene, fixed, flip, lattice, particle, scene, state,
+    KERNELS, Random, assert_near, elastic, elastic_scene, fixed, flip, lattice, particle, scene, snow, state,
     transfers,
 };
 
@@ -119,10 +119,22 @@ fn bodies_are_stable_beyond_the_limit_of_one_particle() {
 /// Fixed corotated material stiffens where it is stretched: the default step follows.
 #[test]
 fn strongly_deformed_elastic_particles_stay_bounded_at_the_default_step() {
+    check_deformed(Material::Elastic(elastic()));
+}
+
+/// Snow whose yield surface lies beyond any of these stretches is such a material. (Without hardening: it would add energy of its
+/// own where the swing goes through the other side of the yield surface.)
+#[test]
+fn strongly_deformed_snow_of_great_critical_stretch_stays_bounded_too() {
+    let yields_late = Snow { critical_stretch: 9.0, critical_compression: 0.9, hardening: 0.0, ..snow() };
+    check_deformed(Material::Snow(yields_late));
+}
+
+fn check_deformed(material: Material<f64>) {
     for kernel in KERNELS {
         for transfer in [flip(0.95), Transfer::Apic, Transfer::Mls] {
             for stretch in [0.5, 0.8, 1.5, 2.5] {
-                let scene = Scene { kernel, transfer, ..elastic_scene::<f64, 2>(1.0) };
+                let scene = Scene { kernel, transfer, materials: vec![material], ..scene::<f64, 2>(1.0) };
                 let mut start = state(&scene, &[particle([0.2, 0.45], [0.0; 2], 0.3)]);
                 start.motion.deformation[0] *= stretch;
                 let total =
@@ -193,6 +205,23 @@ fn the_step_is_the_least_of_waves_advection_and_the_greatest() {
     assert_eq!(step_length(&scene, &state(&scene, &[])), 1e-7);
     scene.time_step = fixed(3e-4);
     assert_eq!(step_length(&scene, &packed), 3e-4);
+}
+
+/// The yield surface of snow in use keeps stretches so small that c is that of F = I, to the last bit.
+#[test]
+fn the_step_of_snow_in_use_does_not_look_at_stretches() {
+    let at = |critical_stretch: f64| {
+        let mut scene = scene::<f64, 3>(0.01);
+        scene.materials = vec![Material::Snow(Snow { critical_stretch, ..snow() })];
+        let mut state = state(&scene, &[particle([0.0; 3], [0.0; 3], 1e-7)]);
+        let rest = step_length(&scene, &state);
+        state.motion.deformation[0] *= 1.0 + critical_stretch;
+        rest / step_length(&scene, &state)
+    };
+    assert_eq!(at(7.5e-3), 1.0);
+    assert_eq!(at(0.01), 1.0);
+    let volume = 1.1f64.powi(3);
+    assert_near(at(0.1), (volume * (2.0 * volume - 1.0)).sqrt(), 1e-12, "10 %");
 }
 
 #[test]

@@ -119,6 +119,8 @@ pub fn particle<const D: usize>(position: [f64; D], velocity: [f64; D], volume: 
         volume,
         stiffness_scale: 1.0,
         material: 0,
+        deformation: Matrix::identity(),
+        plastic_ratio: 1.0,
     }
 }
 

@@ -87,6 +87,47 @@ fn the_adaptive_step_stays_bounded_and_saves_a_bad_courant_number() {
     }
 }
 
+/// dt c / h = 1.45: the energy rises within 50 steps, and no element turns inside out.
+const BLATANT: f64 = 1.45 * H / 22.048;
+
+/// Shorter than the interval of checks: seen at the end, whatever comes between.
+#[test]
+fn a_run_of_fewer_steps_than_the_interval_is_watched_too() {
+    let (mut scene, start) = disc();
+    scene.time_step = TimeStepControl { watchdog_interval: 50, ..fixed(BLATANT) };
+    let mut simulation = Simulation::new(scene.clone(), start.clone()).expect("a valid scene");
+    simulation.confirm().expect("the start is sound");
+    for _ in 0..49 {
+        simulation.advance_one(1.0).expect("nothing is noticed yet");
+    }
+    let risen = total(&scene, simulation.state()) / total(&scene, &start);
+    assert!(risen > 1.05, "energy rose by a factor of {risen}");
+    let refused = simulation.confirm().expect_err("the watchdog must bark");
+    assert!(matches!(refused, SimulationError::EnergyRise { .. }), "{refused}");
+    assert_eq!((simulation.state().time, simulation.state().steps), (0.0, 0), "back at the start");
+    let mut simulation = Simulation::new(scene, start).expect("a valid scene");
+    simulation.advance_to(49.0 * BLATANT).expect_err("advance_to looks at the end");
+}
+
+/// However often a state is confirmed, the rise since the last check on schedule counts, not that since the last look.
+#[test]
+fn small_rises_add_up_to_one_that_is_refused() {
+    let (mut scene, start) = disc();
+    let before = total(&scene, &start);
+    scene.time_step = TimeStepControl { watchdog_interval: 50, ..fixed(TOO_LONG) };
+    let mut simulation = Simulation::new(scene.clone(), start).expect("a valid scene");
+    let mut greatest = 0.0f64;
+    let refused = loop {
+        if let Err(refused) = simulation.advance_one(1.0).and_then(|()| simulation.confirm()) {
+            break refused;
+        }
+        greatest = greatest.max(total(&scene, simulation.state()));
+        assert!(simulation.state().time < 0.1, "the watchdog must bark");
+    };
+    assert!(matches!(refused, SimulationError::EnergyRise { .. }), "{refused}");
+    assert!(greatest < 1.02 * before, "{greatest} J of {before} J were let through");
+}
+
 /// A disc of 1500 particles of snow, at random, on its way into the floor.
 fn snowball(speed: f64, transfer: Transfer) -> (Scene<f64, 2>, State<f64, 2>) {
     let mut scene = Scene { transfer, ..scene::<f64, 2>(H) };

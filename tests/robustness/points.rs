@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use snowlab_solver::Vector;
+use snowlab_solver::{Matrix, Vector};
 use snowlab_study::points::{AnyPointCloud, PointCloud, dimension, read, read_any, write, write_cloud};
 use tempfile::TempDir;
 
@@ -40,10 +40,21 @@ fn hard_cloud<const D: usize>(velocities: bool, masses: bool) -> PointCloud<D> {
         edge.chain(rest).collect()
     };
     let positions = vectors();
-    let weigh = |_: &Vec<_>| (0..positions.len()).map(|i| 10f64.powf(i as f64 / 3.0 - 80.0)).collect();
+    let weights = |power: f64| {
+        let weigh = |_: &Vec<_>| (0..positions.len()).map(|i| 10f64.powf(i as f64 / 3.0 - power)).collect();
+        masses.then_some(&positions).map(weigh)
+    };
+    let (masses, volumes, plastic_ratios) = (weights(80.0), weights(81.1), weights(82.3));
+    let velocities = velocities.then(&mut vectors);
+    let rows = |vectors: &Vec<Vector<f64, D>>| {
+        (0..vectors.len()).map(|i| Matrix::from_fn(|j, k| vectors[(i + 3 * j) % vectors.len()][k])).collect()
+    };
     PointCloud {
-        velocities: velocities.then(&mut vectors),
-        masses: masses.then_some(&positions).map(weigh),
+        deformations: velocities.as_ref().map(rows),
+        velocities,
+        masses,
+        volumes,
+        plastic_ratios,
         positions,
     }
 }
@@ -59,6 +70,12 @@ fn round_trip<const D: usize>(name: &str) {
         write_cloud(&path, &cloud).unwrap();
         let back = read::<D>(&path).unwrap();
         assert_eq!(bits(&back.positions), bits(&cloud.positions), "{name} {D}D");
+        assert_eq!(
+            (&back.volumes, &back.plastic_ratios),
+            (&cloud.volumes, &cloud.plastic_ratios),
+            "{name} {D}D"
+        );
+        assert_eq!(back.deformations, cloud.deformations, "{name} {D}D");
         assert_eq!(
             back.velocities.as_deref().map(bits),
             cloud.velocities.as_deref().map(bits),
@@ -114,7 +131,7 @@ fn csv_columns_go_by_name_in_any_order_and_layout() {
     let table = [
         ("x,y\n1,2.5\n-3,4e-3\n", &plain),
         ("Y,X\n2.5,1\n4e-3,-3\n", &plain),
-        ("id,y,jp,x,fragment\n0,2.5,1.1,1,zero\n1,.004,,-3.,\n", &plain),
+        ("id,y,wetness,x,fragment\n0,2.5,1.1,1,zero\n1,.004,,-3.,\n", &plain),
         ("1,2.5\n-3,0.004\n", &plain),
         ("x,y\r\n1,2.5\r\n-3,4E-3", &plain),
         ("\u{feff}x,y\n1,2.5\n-3,4e-3\n", &plain),
@@ -195,7 +212,7 @@ fn ply_is_read_in_each_encoding_with_every_type_and_whatever_else_it_holds() {
             Vector::<f64, 3>::new(-7.0, 200.0, -7.0),
             Vector::<f64, 3>::new(7.0, 200.0, 7.0),
         ]),
-        masses: None,
+        ..PointCloud::default()
     };
     for bytes in [varied_ascii(), varied_binary(false), varied_binary(true)] {
         let (_directory, path) = file("points.ply", bytes);
@@ -243,6 +260,12 @@ fn what_could_not_be_read_back_is_not_written() {
         (PointCloud { masses: Some(vec![0.0]), ..cloud(&[good]) }, "point 0 (from 0): `mass` is 0.0"),
         (PointCloud { masses: Some(vec![]), ..cloud(&[good]) }, "1 points but 0 masses; give one per point"),
         (PointCloud { velocities: Some(vec![good; 2]), ..cloud(&[good]) }, "1 points but 2 velocities"),
+        (PointCloud { plastic_ratios: Some(vec![-1.0]), ..cloud(&[good]) }, "point 0 (from 0): `jp` is -1.0"),
+        (PointCloud { deformations: Some(vec![]), ..cloud(&[good]) }, "1 points but 0 deformations"),
+        (
+            PointCloud { deformations: Some(vec![Matrix::repeat(f64::NAN)]), ..cloud(&[good]) },
+            "point 0 (from 0): `fxx` is NaN",
+        ),
     ];
     let directory = tempfile::tempdir().unwrap();
     for name in ["a.csv", "a.ply"] {

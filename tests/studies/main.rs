@@ -1,10 +1,13 @@
 //! Studies from file to report: what is read, run, tested, judged, drawn and written; and the pages against the code.
 
 mod claims;
+mod clamps;
 mod figures;
 mod input_page;
+mod measure;
 mod notation;
 mod panics;
 mod report;
+mod rollback;
 mod runner;
 mod statistics;

@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use snowlab_solver::geometry::{Vector, unit};
+use snowlab_solver::geometry::{Matrix, Vector, unit};
 use snowlab_solver::{
     Advection, Collider, Contact, Engine, FlipShare, InitialParticle, KernelKind, Lame, Material, Real,
     Scene, Shape, Simulation, Snow, State, TimeStepControl, Transfer,
@@ -131,6 +131,8 @@ fn ball<T: Real, const D: usize>(case: &Case, engine: Engine, gap: f64) -> Simul
             volume,
             stiffness_scale: 1.0,
             material: 0,
+            deformation: Matrix::identity(),
+            plastic_ratio: 1.0,
         })
         .collect();
     let state = State::at_rest(&scene, Vector::zeros(), &particles).expect("a valid body");

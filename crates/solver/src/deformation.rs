@@ -33,6 +33,7 @@ pub(crate) fn update_deformation<T: Real, const D: usize>(
     next: &mut ParticleMotion<T, D>,
     ledger: &mut StepLedger<D>,
 ) -> Result<(), Rejection> {
+    next.clamped.copy_from_slice(&motion.clamped);
     for p in 0..motion.len() {
         let increment = Matrix::<T, D>::identity() + gradient[p] * dt;
         let turned = determinant(&increment);
@@ -59,7 +60,10 @@ pub(crate) fn update_deformation<T: Real, const D: usize>(
                 let released = material.energy_density(&trial, stiffness)
                     - material.energy_density(&flow.deformation, hardened);
                 ledger.plastic_loss += (released * constants.volume[p]).as_f64();
-                ledger.clamps += u64::from(flow.clamped);
+                if flow.clamped {
+                    ledger.clamps += 1;
+                    next.clamped[p] = true;
+                }
             }
         }
     }

@@ -27,6 +27,7 @@ pub mod stencil;
 pub mod step;
 pub mod timestep;
 mod transfer;
+mod watchdog;
 
 pub use collision::{Collider, Contact};
 pub use error::{SceneError, SimulationError};

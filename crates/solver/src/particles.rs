@@ -19,6 +19,8 @@ pub struct ParticleMotion<T: Real, const D: usize> {
     /// Stiffness factor: the particle's scale times the hardening at its J_P. Follows from J_P; kept so that an
     /// exponential is paid for only where J_P changes.
     pub stiffness: Vec<T>,
+    /// Whether J_P ever met a bound; empty where no material has bounds.
+    pub clamped: Vec<bool>,
 }
 
 /// What a step leaves alone.
@@ -59,6 +61,7 @@ impl<T: Real, const D: usize> ParticleMotion<T, D> {
         gather_in_order(&mut self.deformation, order);
         gather_in_order(&mut self.plastic_ratio, order);
         gather_in_order(&mut self.stiffness, order);
+        gather_in_order(&mut self.clamped, order);
     }
 }
 

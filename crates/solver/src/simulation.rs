@@ -1,13 +1,13 @@
 //! A run: steps of adaptive length, rejected steps tried again, and the watchdog behind them.
 
-use crate::diagnostics::{elastic_energy, potential_energy, total_mass};
 use crate::error::{SceneError, SimulationError};
 use crate::real::Real;
 use crate::scene::{Scene, StepLength};
 use crate::sort::sort_by_block;
 use crate::state::State;
-use crate::step::{Workspace, step};
+use crate::step::{Workspace, kinetic_on_grid, step};
 use crate::timestep::{meet, step_length};
+use crate::watchdog::{Check, Verdict, Watchdog};
 
 /// Particles are sorted anew after so many steps (chosen: sorting costs as much as a third of a step, and in 64 steps few
 /// particles leave their block).
@@ -19,15 +19,7 @@ pub struct Simulation<T: Real, const D: usize> {
     scene: Scene<T, D>,
     state: State<T, D>,
     workspace: Workspace<T, D>,
-    accepted: Option<Snapshot<T, D>>,
-    energy_scale: f64,
-}
-
-/// The latest state that passed the watchdog.
-#[derive(Clone, Debug)]
-struct Snapshot<T: Real, const D: usize> {
-    state: State<T, D>,
-    energy: f64,
+    watchdog: Watchdog<T, D>,
 }
 
 impl<T: Real, const D: usize> Simulation<T, D> {
@@ -37,10 +29,8 @@ impl<T: Real, const D: usize> Simulation<T, D> {
     /// What [`Scene::validate`] and [`State::validate`] find.
     pub fn new(scene: Scene<T, D>, state: State<T, D>) -> Result<Self, SceneError> {
         let workspace = Workspace::new(&scene, &state)?;
-        let gravity = scene.gravity.norm().as_f64();
-        // The energy to lift all material by one cell: the least that a rise is measured by in a scene at rest.
-        let energy_scale = total_mass(&state) * gravity * scene.spacing.as_f64();
-        Ok(Simulation { scene, state, workspace, accepted: None, energy_scale })
+        let watchdog = Watchdog::new(&scene, &state);
+        Ok(Simulation { scene, state, workspace, watchdog })
     }
 
     /// The scene.
@@ -58,18 +48,38 @@ impl<T: Real, const D: usize> Simulation<T, D> {
         &mut self.state
     }
 
-    /// Advances to `time` [s], which is met exactly.
+    /// Advances to `time` [s], which is met exactly, in a state that the watchdog has accepted.
     ///
     /// # Errors
     /// Where no smaller step helps; the state is then the last one accepted.
     pub fn advance_to(&mut self, time: f64) -> Result<(), SimulationError> {
-        while self.state.time < time {
-            self.advance_one(time)?;
+        loop {
+            while self.state.time < time {
+                self.advance_one(time)?;
+            }
+            if self.confirm()? {
+                return Ok(());
+            }
         }
-        Ok(())
     }
 
-    /// Takes one step, not beyond `end` [s].
+    /// Has the watchdog look at the state as it is: to be called before a state is kept, and before a run is called done,
+    /// for between its checks the watchdog is blind. `false` where it refused the state and went back, in time too, to one that
+    /// it had accepted, from which the run goes on with smaller steps. It never goes back beyond a state confirmed here.
+    ///
+    /// # Errors
+    /// [`SimulationError::EnergyRise`] where no smaller step is left to try; the state is then the last one accepted.
+    pub fn confirm(&mut self) -> Result<bool, SimulationError> {
+        if self.scene.time_step.watchdog_interval == 0 {
+            return Ok(true);
+        }
+        let kinetic = kinetic_on_grid(&self.scene, &self.state, &mut self.workspace);
+        let dt = step_length(&self.scene, &self.state);
+        self.watch(self.state.clone(), kinetic, dt, Check::Between)
+    }
+
+    /// Takes one step, not beyond `end` [s]. Where the watchdog, which looks every so many steps, refuses the state, the step
+    /// leads back in time to the last one it accepted.
     ///
     /// # Errors
     /// As [`Simulation::advance_to`].
@@ -92,7 +102,7 @@ impl<T: Real, const D: usize> Simulation<T, D> {
             self.state.time = end;
         }
         match candidate {
-            Some(before) => self.watch(before, kinetic, dt),
+            Some(before) => self.watch(before, kinetic, dt, Check::OnSchedule).map(|_| ()),
             None => Ok(()),
         }
     }
@@ -122,40 +132,28 @@ impl<T: Real, const D: usize> Simulation<T, D> {
         unreachable!("the loop returns")
     }
 
-    /// Compares the energy at the beginning of the step just taken with that of the last snapshot: elastic, potential,
-    /// and kinetic as the grid sees it, less the work of obstacles, can only fall.
-    fn watch(&mut self, before: State<T, D>, kinetic: f64, dt: f64) -> Result<(), SimulationError> {
-        let elastic = elastic_energy(&self.scene, &before.motion, &before.constants);
-        let work = before.ledger.collider_work();
-        let energy = kinetic + elastic + potential_energy(&self.scene, &before) - work;
-        let tolerance = self.scene.time_step.watchdog_tolerance;
-        if let Some(snapshot) = &self.accepted {
-            let scale = self.energy_scale.max(work.abs());
-            // Written so that a NaN is refused as well.
-            if !(energy - snapshot.energy <= tolerance * scale) {
-                return self.restore(energy, scale, dt);
-            }
-        } else {
-            self.energy_scale = self.energy_scale.max(kinetic + elastic);
+    /// Shows the watchdog a state that the run was in; `false` where it went back.
+    fn watch(
+        &mut self,
+        state: State<T, D>,
+        kinetic: f64,
+        dt: f64,
+        check: Check,
+    ) -> Result<bool, SimulationError> {
+        match self.watchdog.check(&self.scene, state, kinetic, dt, check) {
+            Verdict::Accepted => Ok(true),
+            Verdict::Refused(error) => self.restore(error).map(|()| false),
         }
-        self.accepted = Some(Snapshot { state: before, energy });
-        Ok(())
     }
 
-    fn restore(&mut self, energy: f64, scale: f64, dt: f64) -> Result<(), SimulationError> {
-        let Some(snapshot) = &self.accepted else { return Ok(()) };
-        let error = SimulationError::EnergyRise {
-            time: self.state.time,
-            before: snapshot.energy,
-            after: energy,
-            scale,
-            tolerance: self.scene.time_step.watchdog_tolerance,
-            dt,
-        };
+    /// Goes back to the snapshot, and on with half the step, or gives up with `error`.
+    fn restore(&mut self, error: SimulationError) -> Result<(), SimulationError> {
         let restores = self.state.ledger.watchdog_restores + 1;
         let rejected = self.state.ledger.rejected_steps;
         let factor = self.state.step_factor * 0.5;
-        self.state = snapshot.state.clone();
+        if let Some(accepted) = self.watchdog.go_back() {
+            self.state = accepted;
+        }
         self.state.ledger.watchdog_restores = restores;
         self.state.ledger.rejected_steps = rejected;
         let fixed = matches!(self.scene.time_step.length, StepLength::Fixed(_));

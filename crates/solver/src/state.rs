@@ -5,6 +5,7 @@ use crate::geometry::{Matrix, Vector};
 use crate::kernel::{Cubic, Kernel, KernelKind, Quadratic};
 use crate::ledger::Ledger;
 use crate::material::ConstitutiveModel;
+use crate::math::determinant;
 use crate::particles::{ParticleConstants, ParticleMotion};
 use crate::real::Real;
 use crate::scene::Scene;
@@ -46,14 +47,18 @@ pub struct InitialParticle<const D: usize> {
     pub stiffness_scale: f64,
     /// Index into the scene's materials.
     pub material: u16,
+    /// Elastic deformation gradient F_E; the identity for material that nothing has happened to.
+    pub deformation: Matrix<f64, D>,
+    /// Plastic volume ratio J_P; 1 for material that nothing has happened to.
+    pub plastic_ratio: f64,
 }
 
 impl<T: Real, const D: usize> State<T, D> {
-    /// Undeformed particles at t = 0. `origin` is the world position that local coordinates count from.
+    /// Particles at t = 0, before any contact. `origin` is the world position that local coordinates count from.
     ///
     /// # Errors
-    /// A particle with a value that is not finite, a mass, volume or stiffness that is not positive, or a material that
-    /// the scene does not have.
+    /// A particle with a value that is not finite, a mass, volume, stiffness, det F_E or J_P that is not positive, or a
+    /// material that the scene does not have.
     pub fn at_rest(
         scene: &Scene<T, D>,
         origin: Vector<f64, D>,
@@ -66,6 +71,7 @@ impl<T: Real, const D: usize> State<T, D> {
         let field = |f: &dyn Fn(&InitialParticle<D>) -> f64| particles.iter().map(|p| T::of(f(p))).collect();
         let local = |v: Vector<f64, D>| v.map(T::of);
         let affine = if scene.transfer.keeps_affine() { particles.len() } else { 0 };
+        let clamped = if scene.bounds_plastic_ratio() { particles.len() } else { 0 };
         Ok(State {
             origin,
             time: 0.0,
@@ -74,9 +80,10 @@ impl<T: Real, const D: usize> State<T, D> {
                 position: particles.iter().map(|p| local(p.position - origin)).collect(),
                 velocity: particles.iter().map(|p| local(p.velocity)).collect(),
                 affine: vec![Matrix::zeros(); affine],
-                deformation: vec![Matrix::identity(); particles.len()],
-                plastic_ratio: vec![T::one(); particles.len()],
-                stiffness: field(&|p| p.stiffness_scale),
+                deformation: particles.iter().map(|p| p.deformation.map(T::of)).collect(),
+                plastic_ratio: field(&|p| p.plastic_ratio),
+                stiffness: particles.iter().map(|p| p.stiffness(scene)).collect(),
+                clamped: vec![false; clamped],
             },
             constants: ParticleConstants {
                 mass: field(&|p| p.mass),
@@ -108,12 +115,14 @@ impl<T: Real, const D: usize> State<T, D> {
     pub fn validate(&self, scene: &Scene<T, D>) -> Result<(), SceneError> {
         let (motion, constants, particles) = (&self.motion, &self.constants, self.len());
         let affine = if scene.transfer.keeps_affine() { particles } else { 0 };
+        let clamped = if scene.bounds_plastic_ratio() { particles } else { 0 };
         for (field, found, expected) in [
             ("velocity", motion.velocity.len(), particles),
             ("affine", motion.affine.len(), affine),
             ("deformation", motion.deformation.len(), particles),
             ("plastic_ratio", motion.plastic_ratio.len(), particles),
             ("stiffness", motion.stiffness.len(), particles),
+            ("clamped", motion.clamped.len(), clamped),
             ("mass", constants.mass.len(), particles),
             ("volume", constants.volume.len(), particles),
             ("stiffness_scale", constants.stiffness_scale.len(), particles),
@@ -126,6 +135,11 @@ impl<T: Real, const D: usize> State<T, D> {
             }
         }
         Ok(())
+    }
+
+    /// Particles whose J_P ever met a bound.
+    pub fn clamped_particles(&self) -> usize {
+        self.motion.clamped.iter().filter(|&&clamped| clamped).count()
     }
 
     /// World position of particle `p` [m].
@@ -182,6 +196,13 @@ impl<T: Real, const D: usize> State<T, D> {
 }
 
 impl<const D: usize> InitialParticle<D> {
+    /// The factor on the Lame parameters, hardening included.
+    fn stiffness<T: Real>(&self, scene: &Scene<T, D>) -> T {
+        let material = &scene.materials[self.material as usize];
+        T::of(self.stiffness_scale)
+            * ConstitutiveModel::<T, D>::hardening(material, T::of(self.plastic_ratio))
+    }
+
     fn validate<T: Real>(&self, particle: usize, materials: usize) -> Result<(), SceneError> {
         let check = |holds: bool, quantity: &'static str, value: f64, allowed: &'static str| {
             if holds { Ok(()) } else { Err(SceneError::Particle { particle, quantity, value, allowed }) }
@@ -190,9 +211,13 @@ impl<const D: usize> InitialParticle<D> {
             check(self.position[k].is_finite(), "position", self.position[k], "finite")?;
             check(self.velocity[k].is_finite(), "velocity", self.velocity[k], "finite")?;
         }
-        for (quantity, value) in
-            [("mass", self.mass), ("volume", self.volume), ("stiffness scale", self.stiffness_scale)]
-        {
+        for (quantity, value) in [
+            ("mass", self.mass),
+            ("volume", self.volume),
+            ("stiffness scale", self.stiffness_scale),
+            ("plastic ratio J_P", self.plastic_ratio),
+            ("determinant of the deformation", determinant(&self.deformation)),
+        ] {
             // In the run's precision: what is positive in f64 may be nothing in f32.
             let kept = T::of(value).as_f64();
             check(kept > 0.0 && kept.is_finite(), quantity, value, "finite and > 0")?;

@@ -112,6 +112,21 @@ pub fn step<T: Real, const D: usize>(
     Ok(ledger)
 }
 
+/// Kinetic energy of `state` as the grid sees it after particles to grid, which is where the next step begins [J].
+pub(crate) fn kinetic_on_grid<T: Real, const D: usize>(
+    scene: &Scene<T, D>,
+    state: &State<T, D>,
+    workspace: &mut Workspace<T, D>,
+) -> f64 {
+    let Workspace { grid, stress, mirrors, folds, empty_mass, .. } = workspace;
+    let State { motion, constants, .. } = state;
+    place_stencils(scene, motion, grid);
+    internal_stress(scene, motion, constants, stress);
+    particles_to_grid(scene, motion, constants, stress, grid);
+    mirror::fold(mirrors, grid, &scene.gravity, folds);
+    kinetic_of_sums(grid, *empty_mass)
+}
+
 /// The FLIP share a of a step of `dt` [s], where the transfer has one.
 fn flip_share(transfer: Transfer, dt: f64) -> Option<f64> {
     match transfer {

@@ -61,8 +61,8 @@ pub fn step_length<T: Real, const D: usize>(scene: &Scene<T, D>, state: &State<T
     }
 }
 
-/// `dt` cut so that `remaining` seconds are met exactly, and so that the last two steps before are alike rather than
-/// the last one tiny.
+/// `dt` cut so that `remaining` seconds are met exactly: the last two steps share evenly what is left for them, rather
+/// than that the last one is tiny.
 pub fn meet(dt: f64, remaining: f64) -> f64 {
     if dt >= remaining {
         remaining

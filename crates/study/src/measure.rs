@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use snowlab_solver::Vector;
 
+use crate::assemble::kernel;
 use crate::frames::{Frame, Frames};
 use crate::metrics::{
     BondGraph, FloodRaster, FragmentAnalysis, Gate, LinkCurve, MetricError, Spread, flood_fill,
@@ -44,7 +45,7 @@ pub struct Metrics {
     pub crack: Option<f64>,
     /// ln of the horizontal extent of the bulk [m].
     pub ln_extent: f64,
-    /// Run-out of 95 % of the mass [m].
+    /// Horizontal distance from the centre of mass of the first frame that 95 % of the mass stay within [m].
     pub run_out: f64,
     /// Shares of the mass with J_P above 1.05, 1.3 and 2.
     pub loosened: [f64; 3],
@@ -163,14 +164,16 @@ pub fn measure<const D: usize>(
     let points = end.points();
     let gate = Gate::judge(&ruler.fragments(&start, masses)?, ruler.least_mass, spec.bodies);
     let analysis = ruler.fragments(&points, masses)?;
-    let h = ruler.spacing;
+    let (h, grid) = (ruler.spacing, &scene.numerics);
     let curve = LinkCurve::new(&points, masses, [0.5 * h, 4.0 * h])?;
     let bonds = BondGraph::new(&start, h)?.analyse(&points, masses)?;
     let raster = FloodRaster { side: h, origin: Vector::zeros(), rest_density: ruler.density };
     let ratios: Vec<f64> = end.plastic_ratios.iter().map(|&j| f64::from(j)).collect();
     let earlier = earlier_frame(frames, spec, record).map_or(Vec::new(), Frame::points);
-    let spread =
-        if points.is_empty() { None } else { Some(Spread::new(&points, masses, D - 1, Vector::zeros())?) };
+    let spread = match centre_of_mass(&start, masses) {
+        None => None,
+        Some(centre) => Some(Spread::new(&points, masses, D - 1, centre)?),
+    };
     Ok(Metrics {
         gate: gate.to_string(),
         gate_valid: gate.is_valid(),
@@ -180,7 +183,7 @@ pub fn measure<const D: usize>(
         ln_neff_mean_link: curve.mean_log_effective_number([2.0 * h, 4.0 * h], 9)?,
         ln_neff_flood: flood_fill(&points, masses, raster)?.log_effective_number(),
         ln_neff_bonds: bonds.fragments.log_effective_number(),
-        ln_neff_kernel: kernel_graph(&points, masses, scene.numerics.spacing, Vector::zeros())?
+        ln_neff_kernel: kernel_graph(&points, masses, grid.spacing, Vector::zeros(), kernel(grid.kernel))?
             .log_effective_number(),
         ln_neff_earlier: ruler.fragments(&earlier, masses)?.log_effective_number(),
         crack: bonds.crack_measure,
@@ -191,6 +194,12 @@ pub fn measure<const D: usize>(
         link_curve: curve_points(&curve, h)?,
         series,
     })
+}
+
+/// The mean of `points` weighted by mass [m]; `None` without points.
+fn centre_of_mass<const D: usize>(points: &[Vector<f64, D>], masses: &[f64]) -> Option<Vector<f64, D>> {
+    let weighted = points.iter().zip(masses).map(|(&x, &mass)| x * mass);
+    (!points.is_empty()).then(|| weighted.sum::<Vector<f64, D>>() / masses.iter().sum::<f64>())
 }
 
 fn series<const D: usize>(

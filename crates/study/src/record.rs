@@ -128,6 +128,8 @@ pub struct RunRecord {
     pub watchdog_restores: u64,
     /// Times a particle's J_P met a bound.
     pub clamps: u64,
+    /// Particles whose J_P ever met a bound.
+    pub clamped_particles: usize,
     /// Ledgers at each frame.
     pub history: Vec<HistoryRow>,
     /// BLAKE3 of the final state, particles in the order of their ids.
@@ -150,6 +152,7 @@ impl RunRecord {
             rejected_steps: 0,
             watchdog_restores: 0,
             clamps: 0,
+            clamped_particles: 0,
             history: Vec::new(),
             digest: String::new(),
         }
@@ -186,9 +189,17 @@ impl RunRecord {
             rejected_steps: state.ledger.rejected_steps,
             watchdog_restores: state.ledger.watchdog_restores,
             clamps: state.ledger.clamps,
+            clamped_particles: state.clamped_particles(),
             history,
             digest: digest(state),
         }
+    }
+}
+
+impl RunRecord {
+    /// The share of the particles whose J_P ever met a bound, in [0, 1].
+    pub fn clamp_share(&self) -> f64 {
+        self.clamped_particles as f64 / self.made.particles.max(1) as f64
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use snowlab_solver::timestep::step_length;
-use snowlab_solver::{Real, Simulation};
+use snowlab_solver::{Real, Simulation, SimulationError};
 
 use crate::assemble::{Assembly, assemble, time_unit};
 use crate::frames::{Frame, Frames};
@@ -32,7 +32,7 @@ pub trait Observer {
     /// Called after every step with the share of the run that is done, in [0, 1].
     fn progress(&mut self, share: f64, steps: u64);
 
-    /// Called at every frame.
+    /// Called at every frame that is kept, in the order of time; none is taken back.
     fn frame<T: Real, const D: usize>(&mut self, simulation: &Simulation<T, D>);
 }
 
@@ -67,31 +67,75 @@ fn run<T: Real, const D: usize>(
 ) -> Result<Run<D>, SpecError> {
     let Assembly { scene, state, made } = assemble::<T, D>(spec, folder)?;
     let unit = time_unit(&spec.output, made.crossing_time)?;
-    let mut clock = FrameClock::new(spec, unit);
-    let mut frames = Frames::new(&state);
+    let clock = FrameClock::new(spec, unit);
+    let mut kept = Kept { frames: Frames::new(&state), history: Vec::new() };
     let mut simulation =
         Simulation::new(scene, state).map_err(|error| SpecError::value("scene", error.to_string()))?;
-    check_steps(step_length(simulation.scene(), simulation.state()), clock.end)?;
-    let mut history = Vec::new();
+    check_steps(step_length(simulation.scene(), simulation.state()), clock.end(None))?;
     let outcome = loop {
-        if clock.is_frame(simulation.state().time) {
-            frames.frames.push(Frame::of(simulation.state()));
-            history.push(HistoryRow::of(&simulation));
-            observer.frame(&simulation);
+        match advance(&mut simulation, &clock, &mut kept, observer) {
+            Ok(None) => {}
+            Ok(Some(outcome)) => break outcome,
+            Err(error) => {
+                kept.keep_last(&simulation, observer);
+                break Outcome::stopped(&error);
+            }
         }
-        if simulation.state().time >= clock.end {
-            break if clock.missed_contact() { no_contact(&clock) } else { Outcome::Ok };
-        }
-        if let Err(error) = simulation.advance_one(clock.next_frame()) {
-            frames.frames.push(Frame::of(simulation.state()));
-            history.push(HistoryRow::of(&simulation));
-            break Outcome::stopped(&error);
-        }
-        clock.notice_contact(simulation.state().first_contact);
-        observer.progress(simulation.state().time / clock.end, simulation.state().steps);
     };
-    let record = RunRecord::of(&simulation, made, unit, history, outcome);
-    Ok(Run { frames, record })
+    let record = RunRecord::of(&simulation, made, unit, kept.history, outcome);
+    Ok(Run { frames: kept.frames, record })
+}
+
+/// Keeps a frame where one is due, then takes a step; an outcome where the run is at its end.
+fn advance<T: Real, const D: usize>(
+    simulation: &mut Simulation<T, D>,
+    clock: &FrameClock,
+    kept: &mut Kept<D>,
+    observer: &mut impl Observer,
+) -> Result<Option<Outcome>, SimulationError> {
+    let (time, contact) = (simulation.state().time, simulation.state().first_contact);
+    if time >= clock.next_frame(kept.latest(), contact) {
+        // Only what the watchdog has accepted is kept, and it never goes back beyond that.
+        if !simulation.confirm()? {
+            return Ok(None);
+        }
+        kept.keep(simulation, observer);
+    }
+    if time >= clock.end(contact) {
+        return Ok(Some(if clock.missed_contact(contact) { no_contact(time) } else { Outcome::Ok }));
+    }
+    if let Err(error) = simulation.advance_one(clock.next_frame(kept.latest(), contact)) {
+        // A state that the watchdog refuses is none to stop at: the run goes on from the one it went back to.
+        return if simulation.confirm()? { Err(error) } else { Ok(None) };
+    }
+    let state = simulation.state();
+    observer.progress(state.time / clock.end(state.first_contact), state.steps);
+    Ok(None)
+}
+
+/// What is kept of a run: a frame and a row of history for each of the same times.
+struct Kept<const D: usize> {
+    frames: Frames<D>,
+    history: Vec<HistoryRow>,
+}
+
+impl<const D: usize> Kept<D> {
+    fn latest(&self) -> Option<f64> {
+        self.frames.frames.last().map(|frame| frame.time)
+    }
+
+    fn keep<T: Real>(&mut self, simulation: &Simulation<T, D>, observer: &mut impl Observer) {
+        self.frames.frames.push(Frame::of(simulation.state()));
+        self.history.push(HistoryRow::of(simulation));
+        observer.frame(simulation);
+    }
+
+    /// Keeps the state that a run stopped at, unless it is a frame already.
+    fn keep_last<T: Real>(&mut self, simulation: &Simulation<T, D>, observer: &mut impl Observer) {
+        if self.latest().is_none_or(|latest| simulation.state().time > latest) {
+            self.keep(simulation, observer);
+        }
+    }
 }
 
 /// Refuses a run that no machine would end.
@@ -108,66 +152,52 @@ fn check_steps(first: f64, end: f64) -> Result<(), SpecError> {
     Err(SpecError::value("`output.end`", message))
 }
 
-fn no_contact(clock: &FrameClock) -> Outcome {
+fn no_contact(time: f64) -> Outcome {
     Outcome::Stopped {
         reason: "no-contact".into(),
-        message: format!(
-            "nothing touched an obstacle within {:.3e} s; check positions and velocities",
-            clock.end
-        ),
+        message: format!("nothing touched an obstacle within {time:.3e} s; check positions and velocities"),
     }
 }
 
 /// When frames are due: at multiples of the interval from the start, and once something has touched an obstacle, from
-/// then on at multiples of the interval from that moment, so that frames of different arms are alike in phase.
+/// then on at multiples of the interval from that moment, so that frames of different arms are alike in phase. All follows
+/// from the latest frame and the first contact, so that a run that goes back in time leaves nothing to put right.
 #[derive(Clone, Debug)]
 struct FrameClock {
     interval: f64,
     duration: f64,
-    waits_for_contact: bool,
-    anchor: f64,
-    next: u64,
-    end: f64,
+    from_contact: bool,
+    longest_flight: f64,
 }
 
 impl FrameClock {
     fn new(spec: &SceneSpec, unit: f64) -> Self {
         let output = &spec.output;
         let (interval, duration) = (output.frame_interval * unit, output.end * unit);
-        let waits_for_contact = output.end_from == EndFrom::Contact;
-        let end = if waits_for_contact { LONGEST_FLIGHT * unit.max(duration) } else { duration };
-        FrameClock { interval, duration, waits_for_contact, anchor: 0.0, next: 0, end }
+        let longest_flight = LONGEST_FLIGHT * unit.max(duration);
+        FrameClock { interval, duration, from_contact: output.end_from == EndFrom::Contact, longest_flight }
     }
 
-    /// Time of frame `index` since the anchor; the last frame is the end.
-    fn due(&self, index: u64) -> f64 {
-        let time = self.anchor + index as f64 * self.interval;
-        // A multiple of the interval that misses the end by round-off is the end.
-        if time > self.end - 1e-6 * self.interval { self.end } else { time }
-    }
-
-    fn is_frame(&mut self, time: f64) -> bool {
-        let due = time >= self.due(self.next);
-        if due {
-            self.next += 1;
-        }
-        due
-    }
-
-    fn next_frame(&self) -> f64 {
-        self.due(self.next)
-    }
-
-    fn notice_contact(&mut self, contact: Option<f64>) {
-        if let (true, Some(time)) = (self.waits_for_contact, contact) {
-            self.waits_for_contact = false;
-            self.anchor = time;
-            self.end = time + self.duration;
-            self.next = 1;
+    /// When the run ends [s], if the first contact was at `contact`.
+    fn end(&self, contact: Option<f64>) -> f64 {
+        match (self.from_contact, contact) {
+            (false, _) => self.duration,
+            (true, Some(contact)) => contact + self.duration,
+            (true, None) => self.longest_flight,
         }
     }
 
-    fn missed_contact(&self) -> bool {
-        self.waits_for_contact
+    /// When the frame after `latest` is due [s]; the last frame is the end.
+    fn next_frame(&self, latest: Option<f64>, contact: Option<f64>) -> f64 {
+        let anchor = contact.filter(|_| self.from_contact).unwrap_or(0.0);
+        // A multiple of the interval that misses a frame or the end by round-off is that frame or the end.
+        let index =
+            latest.map_or(0.0, |time| ((time - anchor) / self.interval + 1e-6).floor().max(0.0) + 1.0);
+        let (time, end) = (anchor + index * self.interval, self.end(contact));
+        if time > end - 1e-6 * self.interval { end } else { time }
+    }
+
+    fn missed_contact(&self, contact: Option<f64>) -> bool {
+        self.from_contact && contact.is_none()
     }
 }

@@ -24,9 +24,9 @@ use crate::spec::SceneSpec;
 use crate::spec::study::{DEFAULT_PROFILE, MeasureSpec};
 
 /// Changes whenever the same scene gives other numbers: it is part of every case's key.
-pub const SOLVER_VERSION: u32 = 1;
+pub const SOLVER_VERSION: u32 = 2;
 /// Changes whenever the same frames give other metrics.
-pub const METRIC_VERSION: u32 = 1;
+pub const METRIC_VERSION: u32 = 2;
 
 /// The record of a case in which the program panicked. It does not mark a finished run.
 pub const PANIC: &str = "panic.json";

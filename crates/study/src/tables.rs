@@ -24,10 +24,11 @@ pub const ENDPOINTS: [&str; 10] = [
     "ln_extent",
 ];
 /// The tables' own columns, whose names an axis of a sweep cannot have.
-pub const OWN_COLUMNS: [&str; 69] = [
+pub const OWN_COLUMNS: [&str; 70] = [
     "arm",
     "block",
     "cases",
+    "clamped_particles",
     "clamps",
     "components",
     "contact_loss",
@@ -204,6 +205,7 @@ pub fn case_row(result: &CaseResult) -> Row {
         .count("rejected_steps", "steps tried and refused", record.rejected_steps)
         .count("watchdog_restores", "times the watchdog went back to a snapshot", record.watchdog_restores)
         .count("clamps", "times a particle's J_P met a bound", record.clamps)
+        .count("clamped_particles", "particles whose J_P ever met a bound", record.clamped_particles as u64)
         .put("kinetic", "J/m or J", "kinetic energy at the end", last.map(|h| h.kinetic))
         .put("elastic", "J/m or J", "elastic energy at the end", last.map(|h| h.elastic))
         .put("plastic_loss", "J/m or J", "energy lost to plastic flow", last.map(|h| h.plastic_loss))
@@ -259,7 +261,12 @@ fn measured(row: &mut Row, result: &CaseResult) {
     .put("ln_neff_kernel", "-", "A by the kernel graph", m.map(|m| m.ln_neff_kernel))
     .put("ln_neff_earlier", "-", "A one settle window earlier", m.map(|m| m.ln_neff_earlier))
     .put("ln_extent", "-", "ln of the horizontal width of 90 % of the mass [m]", m.map(|m| m.ln_extent))
-    .put("run_out", "m", "horizontal distance that 95 % of the mass stay within", m.map(|m| m.run_out))
+    .put(
+        "run_out",
+        "m",
+        "horizontal distance from the centre of mass of the first frame that 95 % of the mass stay within",
+        m.map(|m| m.run_out),
+    )
     .put("loosened_1_05", "-", "share of the mass with J_P > 1.05", m.map(|m| m.loosened[0]))
     .put("loosened_1_3", "-", "share of the mass with J_P > 1.3", m.map(|m| m.loosened[1]))
     .put("loosened_2", "-", "share of the mass with J_P > 2", m.map(|m| m.loosened[2]));

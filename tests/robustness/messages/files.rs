@@ -63,6 +63,29 @@ fn a_message_names_the_file_and_the_line() {
     hold_message(&refusal_of(&path), "key", &["scene.toml: line 3, `numerics.spacin`: unknown key"]);
 }
 
+/// A rest volume must come from somewhere, and from one place.
+#[test]
+fn rest_volumes_of_a_particle_file_are_asked_for_once() {
+    let folder = tempdir().unwrap();
+    let refusal = |name: &str, content: &str, numerics: &str| {
+        std::fs::write(folder.path().join(name), content).unwrap();
+        let placement = format!("placement = {{ kind = \"file\", path = \"{name}\" }}");
+        let text = SCENE.replace("placement = { kind = \"random\", count = 50 }", &placement);
+        let text =
+            text.replace("region =", "#").replace("spacing = 0.05", &format!("spacing = 0.05{numerics}"));
+        let scene: SceneSpec = spec::parse(&text).unwrap();
+        assemble::<f64, 2>(&scene, folder.path()).expect_err(name).to_string()
+    };
+    let bare = refusal("bare.csv", "x,y\n0,0\n", "");
+    hold_message(
+        &bare,
+        "no volume",
+        &["`body.0.placement.filled_volume`", "is missing", "bare.csv", "`volume`"],
+    );
+    let full = refusal("full.csv", "x,y,volume\n0,0,1\n", "\nrest_volume = \"density\"");
+    hold_message(&full, "by density", &["`body.0.placement.path`", "full.csv", "rest_volume", "uniform"]);
+}
+
 /// Half a megabyte of list before a mistake: the place is found, or an enclosing one, in a moment.
 #[test]
 fn a_long_file_with_a_mistake_is_refused_soon() {
@@ -95,5 +118,28 @@ fn particle_files_are_refused_by_key_and_file() {
     );
     hold_message(&refusal("space.csv", Some("x,y,z\n0,0,1\n")), "3D", &[key, "space.csv", "line 2", "3D"]);
     hold_message(&refusal("word.csv", Some("x,y\n0,up\n")), "a word", &[key, "word.csv", "line 2", "up"]);
+    let twice = "x,y,volume\n0,0,1\n";
+    let filled = "`body.0.placement.filled_volume`";
+    hold_message(
+        &refusal("twice.csv", Some(twice)),
+        "volumes twice",
+        &[filled, "0.2", "twice.csv", "leave out"],
+    );
+    let none = "x,y,jp\n0,0,0\n";
+    hold_message(&refusal("none.csv", Some(none)), "J_P = 0", &[key, "none.csv", "line 2", "`jp` is 0.0"]);
+    let half = "x,y,fxx,fyy\n0,0,1,1\n";
+    hold_message(&refusal("half.csv", Some(half)), "half of F", &[key, "half.csv", "`fxy` is missing"]);
+    let space = "x,y,fxx,fxy,fxz,fyx,fyy,fyz,fzx,fzy,fzz\n0,0,1,0,0,0,1,0,0,0,1\n";
+    hold_message(
+        &refusal("space.csv", Some(space)),
+        "F in 3D",
+        &[key, "space.csv", "9 columns", "fxx, fxy, fyx, fyy"],
+    );
+    let inside_out = "x,y,fxx,fxy,fyx,fyy\n0,0,1,0,0,-1\n";
+    hold_message(
+        &refusal("turned.csv", Some(inside_out)),
+        "F inside out",
+        &["particle 0", "determinant of the deformation is -1", "> 0"],
+    );
     hold_message(&refusal("points.xyz", Some("0 0\n")), "format", &[key, "points.xyz", ".csv or .ply"]);
 }

@@ -47,8 +47,7 @@ fn frames_are_read_by_fragments() {
 fn a_frame_is_a_placement_to_the_last_digit() {
     let desk = Desk::with(&[("scene.toml", SCENE)]);
     desk.expect(0, "simulate scene.toml --out frames");
-    let placement =
-        "placement = { kind = \"file\", path = \"frames/frame-00002.csv\", filled_volume = 0.2 }\n#";
+    let placement = "placement = { kind = \"file\", path = \"frames/frame-00002.csv\" }\n#";
     let text = SCENE.replace("region =", "#").replace("placement =", placement).replace("velocity =", "#");
     let text = text.replace("time_unit = \"crossing\"", "");
     desk.write("again.toml", &text);
@@ -65,6 +64,65 @@ fn a_frame_is_a_placement_to_the_last_digit() {
     let frame = points::read::<2>(&desk.path("frames/frame-00002.csv")).unwrap();
     assert_eq!(state.motion.velocity, frame.velocities.unwrap(), "velocities are taken with it");
     assert_eq!(state.motion.position, frame.positions);
+    assert_eq!(Some(state.motion.deformation), frame.deformations);
+    assert_eq!(Some(&state.motion.plastic_ratio), frame.plastic_ratios.as_ref());
+    assert_eq!(Some(state.constants.mass), frame.masses);
+    assert_eq!(Some(state.constants.volume), frame.volumes);
+    assert!(
+        frame.plastic_ratios.unwrap().iter().any(|&ratio| ratio < 0.9),
+        "something must have been packed"
+    );
+
+    // A velocity of the scene takes the place of the file's.
+    let text = text.replace("[[collider]]", "velocity = [1.0, 0.0]\n[[collider]]");
+    let moved = assemble::<f64, 2>(&spec::parse(&text).unwrap(), desk.folder.path()).unwrap().state;
+    assert!(moved.motion.velocity.iter().all(|v| *v == Vector::<f64, 2>::new(1.0, 0.0)));
+}
+
+/// Every column of a frame but the particles' numbers is one that the page names as taken.
+#[test]
+fn the_page_names_the_columns_of_a_frame() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/input.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let columns =
+        page.split("A file of points has columns").nth(1).unwrap().split("What a frame has not").next();
+    let three =
+        SCENE.replace("[numerics]", "dimension = 3\n[numerics]").replace("[0.0, 0.3]", "[0.0, 0.0, 0.3]");
+    let three = three.replace("[0.0, -8.0]", "[0.0, 0.0, -8.0]").replace("[0.0, 0.0]", "[0.0, 0.0, 0.0]");
+    let three =
+        three.replace("[0.0, 1.0]", "[0.0, 0.0, 1.0]").replace("[numerics]", "[numerics]\nmax_steps = 1");
+    let desk = Desk::with(&[("scene.toml", &three)]);
+    desk.expect(3, "simulate scene.toml --out frames");
+    let frame = desk.read("frames/frame-00000.csv");
+    let names: Vec<&str> = frame.lines().next().unwrap().split(',').collect();
+    assert_eq!((names[0], names.len()), ("id", 1 + 3 + 3 + 3 + 9));
+    for name in &names[1..] {
+        assert!(columns.unwrap().contains(&format!("`{name}`")), "`{name}` is not on the page");
+    }
+}
+
+/// A run that is taken up from one of its frames ends as the whole run does, but for the round-off of sums in another order.
+#[test]
+fn a_run_goes_on_from_one_of_its_frames() {
+    let whole = SCENE.replace("time_unit = \"crossing\"", "").replace("end_from = \"contact\"", "");
+    let whole =
+        whole.replace("frame_interval = 0.5", "frame_interval = 0.012").replace("end = 1.0", "end = 0.024");
+    let desk = Desk::with(&[("whole.toml", &whole)]);
+    desk.expect(0, "simulate whole.toml --out whole");
+    let placement = "placement = { kind = \"file\", path = \"whole/frame-00001.csv\" }\n#";
+    let rest = whole.replace("region =", "#").replace("placement =", placement).replace("velocity =", "#");
+    desk.write("rest.toml", &rest.replace("end = 0.024", "end = 0.012"));
+    desk.expect(0, "simulate rest.toml --out rest");
+    let cloud = |name: &str| points::read::<2>(&desk.path(name)).unwrap();
+    let (start, expected) = (cloud("whole/frame-00001.csv"), cloud("whole/frame-00002.csv"));
+    let found = cloud("rest/frame-00001.csv");
+    let flowed = start.plastic_ratios.unwrap().iter().filter(|&&ratio| ratio != 1.0).count();
+    assert!(flowed > 50, "{flowed} of 300 particles have yielded by the frame");
+    let apart = |a: &[Vector<f64, 2>], b: &[Vector<f64, 2>]| {
+        a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+    };
+    assert!(apart(&found.positions, &expected.positions) < 1e-9);
+    assert!(apart(&found.velocities.unwrap(), &expected.velocities.unwrap()) < 1e-6);
 }
 
 #[test]
@@ -94,4 +152,38 @@ fn energies_and_forces_are_written_beside_the_frames() {
     let impulse = -number(last, "impulse_0_y");
     assert!(impulse > 0.2 * momentum && impulse < 2.0 * momentum, "{impulse} of {momentum}");
     assert!((number(0, "kinetic") / (0.5 * 8.0 * momentum) - 1.0).abs() < 1e-9);
+}
+
+/// A shorter run in the same folder leaves its own frames there, and whatever else there was.
+#[test]
+fn frames_of_an_earlier_run_are_deleted() {
+    let desk = Desk::with(&[("scene.toml", SCENE), ("short.toml", &SCENE.replace("end = 1.0", "end = 0.5"))]);
+    desk.expect(0, "simulate scene.toml --out frames");
+    for name in ["frame-1.csv", "frame-00003.txt", "notes.csv", "frame-0000x.csv"] {
+        desk.write(&format!("frames/{name}"), "mine");
+    }
+    desk.write("frames/frame-00012.csv", "an earlier run's");
+    desk.expect(2, "simulate nowhere.toml --out frames");
+    assert_eq!(desk.read("frames/frame-00012.csv"), "an earlier run's", "nothing was run");
+    desk.expect(0, "simulate short.toml --out frames");
+    let rows = super::rows(&desk.read("frames/history.csv")).len();
+    let frames = (0..rows).map(|k| format!("frame-{k:05}.csv"));
+    let others = ["frame-00003.txt", "frame-0000x.csv", "frame-1.csv", "history.csv", "notes.csv"];
+    let expected: std::collections::BTreeSet<String> = frames.chain(others.map(String::from)).collect();
+    let found = desk.files("frames").into_keys().map(|name| name.to_string_lossy().into_owned());
+    assert_eq!(found.collect::<std::collections::BTreeSet<_>>(), expected);
+}
+
+/// Where a run stops, its last state is a frame with a row, and no time comes twice.
+#[test]
+fn a_stopped_run_has_a_row_for_every_frame() {
+    let text = SCENE.replace("spacing = 0.05", "spacing = 0.05\nmax_steps = 5");
+    let desk = Desk::with(&[("scene.toml", &text)]);
+    let printed = desk.expect(3, "simulate scene.toml --out frames");
+    assert!(printed.contains("2 frames, 5 steps, stopped(too-many-steps)"), "{printed}");
+    let history = super::rows(&desk.read("frames/history.csv"));
+    let steps: Vec<&str> = history.iter().map(|row| row["steps"].as_str()).collect();
+    assert_eq!(steps, ["0", "5"]);
+    assert!(desk.path("frames/frame-00001.csv").is_file() && !desk.path("frames/frame-00002.csv").exists());
+    assert!(history.iter().all(|row| !row["force_0_y"].is_empty()), "no force is 0/0");
 }

@@ -297,6 +297,7 @@ mod tests {
             deformation: vec![],
             plastic_ratio: vec![],
             stiffness: vec![],
+            clamped: vec![],
         };
         let (mut constants, mut stress) = (
             ParticleConstants {

@@ -88,6 +88,19 @@ pub trait ConstitutiveModel<T: Real, const D: usize> {
     }
 }
 
+/// By how much a deformation raises the modulus that carries waves, over that at F = I: forces act through P F^T grad w, so that
+/// a stretch s raises the shear stiffness by s^2, which the largest row sum of F^T F bounds (Gershgorin), and a change of
+/// volume the bulk stiffness by J d/dJ (J^2 - J) = 2 J^2 - J.
+#[inline]
+fn stretch_factor<T: Real, const D: usize>(f: &Matrix<T, D>) -> T {
+    let metric = f.transpose() * f;
+    let stretch_squared = (0..D)
+        .map(|i| (0..D).fold(T::zero(), |sum, j| sum + metric[(i, j)].abs()))
+        .fold(T::one(), |largest, row| largest.max(row));
+    let j = determinant(f);
+    stretch_squared.max(j * (j + j - T::one()))
+}
+
 /// A material of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Material<T> {

@@ -7,7 +7,7 @@ use snowlab_solver::{InitialParticle, Matrix, Vector};
 
 use crate::points;
 use crate::spec::SpecError;
-use crate::spec::scene::{BodySpec, CountOf, PlacementSpec, SceneSpec};
+use crate::spec::scene::{BodySpec, CountOf, PlacementSpec, RestVolumeName, SceneSpec};
 
 use super::region::{region, sampler, void_field};
 use super::vector::vector_or_zero;
@@ -33,7 +33,7 @@ pub(super) fn build_body<const D: usize>(
     let streams = Streams::new(spec.seed ^ ((number as u64) << 48));
     let phase = grid_phase::<D>(body, &streams);
     let mut built = if let PlacementSpec::File { path, filled_volume } = &body.placement {
-        from_file(body, &key, &folder.join(path), *filled_volume)?
+        from_file(spec, body, &key, &folder.join(path), *filled_volume)?
     } else {
         from_sampler(spec, body, &key, &streams)?
     };
@@ -92,31 +92,71 @@ fn from_sampler<const D: usize>(
     })
 }
 
+/// The points of a file with whatever it says of them; the rest as for a body of the scene.
 fn from_file<const D: usize>(
+    spec: &SceneSpec,
     body: &BodySpec,
     key: &str,
     path: &Path,
-    filled_volume: f64,
+    filled_volume: Option<f64>,
 ) -> Result<BuiltBody<D>, SpecError> {
-    let cloud = points::read::<D>(path)
-        .map_err(|error| SpecError::value(format!("`{key}.placement.path`"), error.to_string()))?;
-    if cloud.positions.is_empty() {
-        let message = format!("{} has no point; a body has one or more", path.display());
-        return Err(SpecError::value(format!("`{key}.placement.path`"), message));
+    let refused =
+        |name: &str, message: String| Err(SpecError::value(format!("`{key}.placement.{name}`"), message));
+    let file = path.display();
+    let cloud = match points::read::<D>(path) {
+        Ok(cloud) => cloud,
+        Err(error) => return refused("path", error.to_string()),
+    };
+    let count = cloud.positions.len();
+    if count == 0 {
+        return refused("path", format!("{file} has no point; a body has one or more"));
     }
-    let volume = filled_volume / cloud.positions.len() as f64;
-    let mut particles: Vec<_> = cloud.positions.iter().map(|&x| at_rest(x, volume, body)).collect();
-    for (particle, velocity) in particles.iter_mut().zip(cloud.velocities.iter().flatten()) {
-        particle.velocity = *velocity;
+    let volumes = match (cloud.volumes, filled_volume) {
+        (Some(_), Some(given)) => {
+            let message = format!("is {given:?}, but {file} has a column `volume`; leave out one of them");
+            return refused("filled_volume", message);
+        }
+        (None, None) => {
+            return refused("filled_volume", format!("is missing, and {file} has no column `volume`"));
+        }
+        (Some(_), None) if spec.numerics.rest_volume == RestVolumeName::Density => {
+            let message = format!(
+                "{file} has a column `volume`, which `numerics.rest_volume` = \"density\" passes over; use \"uniform\""
+            );
+            return refused("path", message);
+        }
+        (Some(volumes), None) => volumes,
+        (None, Some(filled)) => vec![filled / count as f64; count],
+    };
+    let mut particles: Vec<_> =
+        cloud.positions.iter().zip(&volumes).map(|(&x, &volume)| at_rest(x, volume, body)).collect();
+    // A velocity of the scene takes the place of the file's.
+    if body.velocity.is_empty() {
+        set(&mut particles, cloud.velocities, |particle, velocity| particle.velocity = velocity);
     }
+    set(&mut particles, cloud.masses, |particle, mass| particle.mass = mass);
+    set(&mut particles, cloud.plastic_ratios, |particle, ratio| particle.plastic_ratio = ratio);
+    set(&mut particles, cloud.deformations, |particle, deformation| particle.deformation = deformation);
     Ok(BuiltBody {
+        solid_mass: particles.iter().map(|particle| particle.mass).sum(),
+        filled_volume: filled_volume.unwrap_or_else(|| volumes.iter().sum()),
         particles,
-        solid_mass: body.material.density() * filled_volume,
-        filled_volume,
         void_volume: 0.0,
         voids: None,
         phase: Vector::zeros(),
     })
+}
+
+/// Gives each particle its value, where there are values.
+fn set<V, const D: usize>(
+    particles: &mut [InitialParticle<D>],
+    values: Option<Vec<V>>,
+    give: impl Fn(&mut InitialParticle<D>, V),
+) {
+    particles
+        .iter_mut()
+        .zip(values.into_iter().flatten())
+        .for_each(|(particle, value)| give(particle, value));
 }
 
 fn at_rest<const D: usize>(position: Vector<f64, D>, volume: f64, body: &BodySpec) -> InitialParticle<D> {
@@ -127,6 +167,8 @@ fn at_rest<const D: usize>(position: Vector<f64, D>, volume: f64, body: &BodySpe
         volume,
         stiffness_scale: 1.0,
         material: 0,
+        deformation: Matrix::identity(),
+        plastic_ratio: 1.0,
     }
 }
 

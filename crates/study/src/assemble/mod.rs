@@ -6,6 +6,7 @@ mod obstacle;
 mod region;
 mod vector;
 
+pub use numerics::kernel;
 pub use region::region;
 
 use std::path::Path;

@@ -21,10 +21,7 @@ pub(super) fn scene<T: Real, const D: usize>(
     let colliders = spec.collider.iter().enumerate();
     Ok(Scene {
         spacing: T::of(n.spacing),
-        kernel: match n.kernel {
-            KernelName::Cubic => KernelKind::Cubic,
-            KernelName::Quadratic => KernelKind::Quadratic,
-        },
+        kernel: kernel(n.kernel),
         transfer: transfer(n),
         engine: match n.engine {
             EngineName::Fast => Engine::Fast,
@@ -39,6 +36,14 @@ pub(super) fn scene<T: Real, const D: usize>(
         gravity: vector_or_zero::<D>(&spec.gravity, "gravity")?.map(T::of),
         time_step: time_step(n),
     })
+}
+
+/// The kernel that a scene names.
+pub fn kernel(name: KernelName) -> KernelKind {
+    match name {
+        KernelName::Cubic => KernelKind::Cubic,
+        KernelName::Quadratic => KernelKind::Quadratic,
+    }
 }
 
 pub(super) fn transfer(n: &NumericsSpec) -> Transfer {

@@ -6,7 +6,7 @@ use snowlab_solver::{Real, Simulation};
 use snowlab_study::record::{HistoryRow, Outcome, RunRecord};
 use snowlab_study::run::{Observer, run_scene};
 use snowlab_study::spec::{self, SceneSpec};
-use snowlab_study::store::write_whole;
+use snowlab_study::store::{StoreError, write_whole};
 use snowlab_study::table::{Row, Table};
 use snowlab_study::tables::energies;
 
@@ -52,11 +52,35 @@ impl Observer for FrameWriter {
 
     fn frame<T: Real, const D: usize>(&mut self, simulation: &Simulation<T, D>) {
         let path = self.out.join(format!("frame-{:05}.csv", self.frames));
+        let cleared = if self.frames == 0 { clear(&self.out) } else { Ok(()) };
         self.frames += 1;
-        if let Err(error) = write_whole(&path, frame_csv(simulation).as_bytes()) {
+        if let Err(error) = cleared.and_then(|()| write_whole(&path, frame_csv(simulation).as_bytes())) {
             self.error.get_or_insert(error.into());
         }
     }
+}
+
+/// Deletes what an earlier run left in the folder, and nothing else: a shorter run must not end in its frames.
+fn clear(out: &Path) -> Result<(), StoreError> {
+    let delete = || -> std::io::Result<()> {
+        if !out.is_dir() {
+            return Ok(());
+        }
+        for entry in std::fs::read_dir(out)? {
+            let entry = entry?;
+            if entry.file_name().to_str().is_some_and(is_own) {
+                std::fs::remove_file(entry.path())?;
+            }
+        }
+        Ok(())
+    };
+    delete().map_err(|source| StoreError::Io { path: out.into(), source })
+}
+
+/// Whether a file's name is one that is written here: `history.csv`, or `frame-`, five digits or more, `.csv`.
+fn is_own(name: &str) -> bool {
+    let number = name.strip_prefix("frame-").and_then(|rest| rest.strip_suffix(".csv"));
+    name == "history.csv" || number.is_some_and(|n| n.len() >= 5 && n.bytes().all(|b| b.is_ascii_digit()))
 }
 
 /// Particles in the order of their ids; digits that read back to the same numbers.

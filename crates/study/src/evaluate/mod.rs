@@ -141,7 +141,6 @@ fn thinning_of(result: &CaseResult) -> Thinning {
 }
 
 fn arm_value(result: &CaseResult, value: Option<f64>, whole: bool) -> ArmValue {
-    let made = &result.record.made;
     ArmValue {
         block: result.case.block,
         arm: result.case.arm.clone(),
@@ -150,10 +149,7 @@ fn arm_value(result: &CaseResult, value: Option<f64>, whole: bool) -> ArmValue {
             Outcome::Stopped { .. } => CaseStatus::Stopped,
             _ if !usable(result) || !whole || value.is_none() => CaseStatus::MetricInvalid,
             Outcome::Ok => CaseStatus::Ok,
-            // At most: a particle clamped twice counts twice.
-            Outcome::OkWithClamps => CaseStatus::OkWithClamps {
-                clamp_share: (result.record.clamps as f64 / made.particles.max(1) as f64).min(1.0),
-            },
+            Outcome::OkWithClamps => CaseStatus::OkWithClamps { clamp_share: result.record.clamp_share() },
         },
         settled: result.metrics.as_ref().is_some_and(|m| m.settled),
         damage: result.metrics.as_ref().map_or(f64::NAN, |m| m.end.damage),

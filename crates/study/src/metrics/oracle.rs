@@ -5,6 +5,7 @@ use super::cell_list::squared_distance;
 use super::error::MetricError;
 use super::flood_fill::FloodRaster;
 use super::fragments::FragmentAnalysis;
+use snowlab_solver::KernelKind;
 use snowlab_solver::geometry::Vector;
 
 /// The connected components of a graph given by its edges, found by walking from particle to particle:
@@ -89,8 +90,8 @@ pub fn flood_fill<const D: usize>(
     components(masses, |i, j| full[i] && full[j] && (cell(i) - cell(j)).lp_norm(1) <= 1.0)
 }
 
-/// [`kernel_graph`](super::kernel_graph::kernel_graph): joined where, on every axis, some node is within 2h
-/// of both.
+/// [`kernel_graph`](super::kernel_graph::kernel_graph): joined where, on every axis, some node is within the
+/// kernel's support of both.
 ///
 /// # Errors
 /// As [`components`].
@@ -99,11 +100,18 @@ pub fn kernel_graph<const D: usize>(
     masses: &[f64],
     spacing: f64,
     origin: Vector<f64, D>,
+    kernel: KernelKind,
 ) -> Result<FragmentAnalysis, MetricError> {
+    let support = match kernel {
+        KernelKind::Cubic => 2.0,
+        KernelKind::Quadratic => 1.5,
+    };
     let scaled = |i: usize, axis: usize| (positions[i][axis] - origin[axis]) / spacing;
     let shared = |a: f64, b: f64| {
         let nearest = a.round();
-        (-2..=2).map(|k| nearest + f64::from(k)).any(|node| (a - node).abs() < 2.0 && (b - node).abs() < 2.0)
+        (-2..=2)
+            .map(|k| nearest + f64::from(k))
+            .any(|node| (a - node).abs() < support && (b - node).abs() < support)
     };
     components(masses, |i, j| (0..D).all(|axis| shared(scaled(i, axis), scaled(j, axis))))
 }

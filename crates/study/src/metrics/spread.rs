@@ -37,13 +37,13 @@ pub struct Spread<const D: usize> {
     pub extents: [Extent; D],
     /// The axis that points up.
     pub up: usize,
-    /// The horizontal distance from the impact: the 95 % mass quantile and the greatest [m].
+    /// The horizontal distance from the centre: the 95 % mass quantile and the greatest [m].
     pub run_out: [f64; 2],
 }
 
 impl<const D: usize> Spread<D> {
-    /// The spread of `positions` [m] with `masses` [kg]; `up` is the vertical axis, `impact` the point of
-    /// first contact [m], of which the horizontal coordinates count.
+    /// The spread of `positions` [m] with `masses` [kg]; `up` is the vertical axis, `centre` the
+    /// point that run-out is measured from [m], of which the horizontal coordinates count.
     ///
     /// The q quantile is the least coordinate below or at which lies at least the share q of the mass.
     ///
@@ -54,11 +54,11 @@ impl<const D: usize> Spread<D> {
         positions: &[Vector<f64, D>],
         masses: &[f64],
         up: usize,
-        impact: Vector<f64, D>,
+        centre: Vector<f64, D>,
     ) -> Result<Self, MetricError> {
         check_positions(positions)?;
         check_masses(positions.len(), masses)?;
-        check_positions(&[impact])?;
+        check_positions(&[centre])?;
         check_parameter("vertical axis", up as f64, [0.0, D as f64 - 1.0])?;
         check_parameter("number of particles", positions.len() as f64, [1.0, f64::MAX])?;
         let extents = std::array::from_fn(|axis| {
@@ -70,7 +70,7 @@ impl<const D: usize> Spread<D> {
         let distances: Vec<f64> = positions
             .iter()
             .map(|position| {
-                let horizontal = (0..D).filter(|&axis| axis != up).map(|axis| position[axis] - impact[axis]);
+                let horizontal = (0..D).filter(|&axis| axis != up).map(|axis| position[axis] - centre[axis]);
                 horizontal.map(|step| step * step).sum::<f64>().sqrt()
             })
             .collect();

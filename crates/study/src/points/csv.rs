@@ -8,11 +8,10 @@ use std::io::{self, Read, Write};
 use std::path::Path;
 
 use ::csv::{ErrorKind, ReaderBuilder, StringRecord, Trim};
-use snowlab_solver::Vector;
 
-use super::columns::{COORDINATES, Columns, MASS, Table, VELOCITIES};
+use super::columns::{Columns, Table};
 use super::lines::{LONGEST_LINE, Lines, shown};
-use super::{PointsError, format_error};
+use super::{PointCloud, PointsError, format_error};
 
 /// Reads all points.
 pub fn read(path: &Path) -> Result<Table, PointsError> {
@@ -165,21 +164,10 @@ impl Read for Text {
 }
 
 /// Writes a header and a line per point, each number with the fewest digits that bring back its bits.
-pub fn write<const D: usize>(
-    file: &mut dyn Write,
-    positions: &[Vector<f64, D>],
-    velocities: Option<&[Vector<f64, D>]>,
-    masses: Option<&[f64]>,
-) -> io::Result<()> {
-    let mut names = COORDINATES[..D].to_vec();
-    names.extend(velocities.iter().flat_map(|_| &VELOCITIES[..D]));
-    names.extend(masses.map(|_| MASS));
-    writeln!(file, "{}", names.join(","))?;
-    for (point, position) in positions.iter().enumerate() {
-        let velocity = velocities.map(|rows| rows[point]);
-        let numbers =
-            position.iter().chain(velocity.iter().flatten()).chain(masses.map(|masses| &masses[point]));
-        for (column, number) in numbers.enumerate() {
+pub fn write<const D: usize>(file: &mut dyn Write, cloud: &PointCloud<D>) -> io::Result<()> {
+    writeln!(file, "{}", cloud.names(D).join(","))?;
+    for point in 0..cloud.positions.len() {
+        for (column, number) in cloud.numbers(point, D).into_iter().enumerate() {
             let separator = if column == 0 { "" } else { "," };
             write!(file, "{separator}{number:?}")?;
         }

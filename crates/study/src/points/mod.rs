@@ -1,9 +1,10 @@
 //! Points in files: CSV and PLY, read and written.
 //!
-//! Both formats name their columns (PLY: properties of `vertex`): `x y [z]`, `vx vy [vz]`, `mass`; others are passed
-//! over. Velocities are taken where there is one for every coordinate of the file.
+//! Both formats name their columns (PLY: properties of `vertex`): `x y [z]`, `vx vy [vz]`, `mass`, `volume`, `jp` and
+//! `fxx fxy fyx fyy` (3D: nine, by rows); others are passed over. Velocities are taken where there is one for every
+//! coordinate of the file.
 //!
-//! **2D or 3D.** Points are 3D where some `z` or `vz` differs from 0, else 2D: most programs write a `z` whether they
+//! **2D or 3D.** Points are 3D where some `z` or `vz` differs from 0 or there are nine columns of F, else 2D: most programs write a `z` whether they
 //! need it or not, and some refuse a PLY without one. So a file with z = 0 throughout, a file of no points and a file
 //! without `z` are all 2D, and a plane at any other height is 3D. Either kind may still be asked for: a file that has a
 //! `z` can always be read in 3D.
@@ -21,7 +22,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use snowlab_solver::Vector;
+use snowlab_solver::{Matrix, Vector};
 use thiserror::Error;
 
 use columns::Table;
@@ -35,6 +36,12 @@ pub struct PointCloud<const D: usize> {
     pub velocities: Option<Vec<Vector<f64, D>>>,
     /// Masses [kg] above 0, one per position, where the file has them.
     pub masses: Option<Vec<f64>>,
+    /// Rest volumes [m^D] above 0, one per position, where the file has them.
+    pub volumes: Option<Vec<f64>>,
+    /// Plastic volume ratios J_P above 0, one per position, where the file has them.
+    pub plastic_ratios: Option<Vec<f64>>,
+    /// Elastic deformation gradients F_E, one per position, where the file has them.
+    pub deformations: Option<Vec<Matrix<f64, D>>>,
 }
 
 /// Points whose dimension the file has decided.
@@ -106,19 +113,31 @@ pub fn dimension(path: &Path) -> Result<usize, PointsError> {
 /// # Errors
 /// [`PointsError`].
 pub fn write<const D: usize>(path: &Path, positions: &[Vector<f64, D>]) -> Result<(), PointsError> {
-    write_columns(path, positions, None, None)
+    write_cloud(path, &PointCloud { positions: positions.to_vec(), ..PointCloud::default() })
 }
 
-/// Writes points with the velocities and masses they have, as CSV or binary PLY, told apart by the ending.
+/// Writes points with all they have, as CSV or binary PLY, told apart by the ending.
 ///
 /// CSV has as many digits as bring back the same bits, and `x,y` in 2D. PLY is binary little-endian, `double`, with
 /// z = 0 (and vz = 0) in 2D, since common readers (meshio 5.3 for one) fail without `z`.
 ///
 /// # Errors
 /// [`PointsError`]: the file cannot be written, its ending is unknown, a number is not finite (it could not be read
-/// back), or velocities or masses are not one per position.
+/// back), a mass, volume or J_P is not positive, or there is not one of each quantity per position.
 pub fn write_cloud<const D: usize>(path: &Path, cloud: &PointCloud<D>) -> Result<(), PointsError> {
-    write_columns(path, &cloud.positions, cloud.velocities.as_deref(), cloud.masses.as_deref())
+    const { assert!(D == 2 || D == 3) };
+    let form = match extension(path).as_str() {
+        "csv" => csv::write::<D>,
+        "ply" => ply::write::<D>,
+        other => return Err(unknown(path, other)),
+    };
+    cloud.check().map_err(|message| format_error(path, 0, message))?;
+    let save = || -> std::io::Result<()> {
+        let mut file = BufWriter::new(File::create(path)?);
+        form(&mut file, cloud)?;
+        file.flush()
+    };
+    save().map_err(|reason| PointsError::Io { path: path.into(), reason })
 }
 
 fn read_table(path: &Path) -> Result<Table, PointsError> {
@@ -127,27 +146,6 @@ fn read_table(path: &Path) -> Result<Table, PointsError> {
         "ply" => ply::read(path),
         other => Err(unknown(path, other)),
     }
-}
-
-fn write_columns<const D: usize>(
-    path: &Path,
-    positions: &[Vector<f64, D>],
-    velocities: Option<&[Vector<f64, D>]>,
-    masses: Option<&[f64]>,
-) -> Result<(), PointsError> {
-    const { assert!(D == 2 || D == 3) };
-    let form = match extension(path).as_str() {
-        "csv" => csv::write,
-        "ply" => ply::write,
-        other => return Err(unknown(path, other)),
-    };
-    columns::check(positions, velocities, masses).map_err(|message| format_error(path, 0, message))?;
-    let save = || -> std::io::Result<()> {
-        let mut file = BufWriter::new(File::create(path)?);
-        form(&mut file, positions, velocities, masses)?;
-        file.flush()
-    };
-    save().map_err(|reason| PointsError::Io { path: path.into(), reason })
 }
 
 fn extension(path: &Path) -> String {

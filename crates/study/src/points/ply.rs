@@ -4,12 +4,10 @@
 use std::io::{self, BufRead, Read, Write};
 use std::path::Path;
 
-use snowlab_solver::Vector;
-
-use super::columns::{COORDINATES, Columns, MASS, Table, VELOCITIES};
+use super::columns::{Columns, Table};
 use super::lines::{Lines, shown};
 use super::ply_header::{self, Element, Encoding, Header, Kind, Scalar};
-use super::{PointsError, format_error};
+use super::{PointCloud, PointsError, format_error};
 
 const VERTEX: &str = "vertex";
 
@@ -177,27 +175,16 @@ fn too_short(element: &Element, row: u64) -> String {
 }
 
 /// Writes binary little-endian doubles; in 2D z = 0 and vz = 0.
-pub fn write<const D: usize>(
-    file: &mut dyn Write,
-    positions: &[Vector<f64, D>],
-    velocities: Option<&[Vector<f64, D>]>,
-    masses: Option<&[f64]>,
-) -> io::Result<()> {
-    write!(file, "ply\nformat binary_little_endian 1.0\nelement {VERTEX} {}\n", positions.len())?;
-    let names = COORDINATES.iter().chain(velocities.iter().flat_map(|_| &VELOCITIES)).copied();
-    for name in names.chain(masses.map(|_| MASS)) {
+pub fn write<const D: usize>(file: &mut dyn Write, cloud: &PointCloud<D>) -> io::Result<()> {
+    let points = cloud.positions.len();
+    write!(file, "ply\nformat binary_little_endian 1.0\nelement {VERTEX} {points}\n")?;
+    for name in cloud.names(3) {
         writeln!(file, "property double {name}")?;
     }
     writeln!(file, "end_header")?;
-    for (point, position) in positions.iter().enumerate() {
-        let velocity = velocities.map(|rows| &rows[point]);
-        for vector in [Some(position), velocity].into_iter().flatten() {
-            for axis in 0..3 {
-                file.write_all(&vector.get(axis).copied().unwrap_or(0.0).to_le_bytes())?;
-            }
-        }
-        if let Some(masses) = masses {
-            file.write_all(&masses[point].to_le_bytes())?;
+    for point in 0..points {
+        for number in cloud.numbers(point, 3) {
+            file.write_all(&number.to_le_bytes())?;
         }
     }
     Ok(())

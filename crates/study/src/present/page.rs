@@ -182,8 +182,12 @@ fn summary(findings: Findings) -> ReportTable {
 
 fn failures(findings: Findings) -> Vec<ReportFailure> {
     let failed = |result: &crate::results::CaseResult| {
-        let clamped = matches!(result.record.outcome, Outcome::OkWithClamps)
-            .then(|| format!("J_P met a bound {} times", result.record.clamps));
+        let clamped = matches!(result.record.outcome, Outcome::OkWithClamps).then(|| {
+            format!(
+                "J_P of {} particles met a bound, {} times",
+                result.record.clamped_particles, result.record.clamps
+            )
+        });
         let reason = result.failure().or(clamped)?;
         let case = format!("{}, block {}", name(findings, result), result.case.block);
         Some(ReportFailure { case, status: result.record.outcome.in_words(), reason })

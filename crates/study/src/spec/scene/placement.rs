@@ -14,12 +14,12 @@ pub enum PlacementSpec {
     Lattice(LatticeSpec),
     /// Random points that keep their distance.
     PoissonDisk(CountSpec),
-    /// Points from a CSV or PLY file with columns x, y[, z], and vx, vy[, vz] if it has them.
+    /// Points from a CSV or PLY file with columns x, y[, z], and what else it has of a frame of `simulate`.
     File {
         /// The file; relative to the scene file.
         path: String,
-        /// Area [m^2] or volume [m^3] that the points fill.
-        filled_volume: f64,
+        /// Area [m^2] or volume [m^3] that the points fill, where the file has no rest volumes.
+        filled_volume: Option<f64>,
     },
 }
 
