@@ -66,7 +66,7 @@ impl<T: Real, const D: usize> ConstitutiveModel<T, D> for Snow<T> {
         Some(PlasticFlow { deformation: svd.recompose(), plastic_ratio: bounded, clamped: bounded != ratio })
     }
 
-    /// A yield surface within [`COVERED_STRETCH`] is left to the default safety factor; a wider one lets snow stretch as an elastic
+    /// A yield surface within 1 % (`COVERED_STRETCH`) is left to the default safety factor; a wider one lets snow stretch as an elastic
     /// material does, and stiffen with it.
     #[inline]
     fn wave_modulus(&self, f: &Matrix<T, D>) -> T {
