@@ -97,8 +97,9 @@ pub const OWN_COLUMNS: [&str; 70] = [
     "watchdog_restores",
 ];
 /// The numeric columns of `cases` beside the axes of a sweep: what an expectation can be held against.
-pub const CASE_NUMBERS: [&str; 41] = [
+pub const CASE_NUMBERS: [&str; 42] = [
     "block",
+    "clamped_particles",
     "clamps",
     "components",
     "contact_loss",
