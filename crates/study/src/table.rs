@@ -81,6 +81,11 @@ impl Row {
         }
     }
 
+    /// The entries, in order.
+    pub fn entries(&self) -> impl Iterator<Item = (&Definition, &Cell)> {
+        self.entries.iter().map(|(definition, cell)| (definition, cell))
+    }
+
     /// Whether there is an entry of the given name.
     pub fn has(&self, name: &str) -> bool {
         self.entries.iter().any(|(definition, _)| definition.name == name)
