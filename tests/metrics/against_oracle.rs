@@ -1,8 +1,6 @@
 //! Every metric against its definition over all pairs, and what must not change the answer.
 
-mod common;
-
-use common::{BEYOND_THE_RASTER, masses, permutation, placements, rotated, shifted};
+use crate::support::{BEYOND_THE_RASTER, masses, permutation, placements, rotated, shifted};
 use snowlab_solver::geometry::Vector;
 use snowlab_study::metrics::oracle;
 use snowlab_study::metrics::{

@@ -1,8 +1,6 @@
 //! Crack lengths of straight cuts, and the interior they are scaled by.
 
-mod common;
-
-use common::{RADIUS, SPACING, ball, lattice, rotated};
+use crate::support::{RADIUS, SPACING, ball, lattice, rotated};
 use snowlab_solver::geometry::Vector;
 use snowlab_study::metrics::BondGraph;
 use snowlab_study::metrics::interior::interior;

@@ -1,8 +1,6 @@
 //! Gate, equal counts, spread and sizes.
 
-mod common;
-
-use common::{RADIUS, SPACING, ball, masses, permutation};
+use crate::support::{RADIUS, SPACING, ball, masses, permutation};
 use snowlab_solver::geometry::Vector;
 use snowlab_study::metrics::gate::DUST_CUT;
 use snowlab_study::metrics::sizes::distribution_at;

@@ -1,8 +1,6 @@
 //! What the ruler does to random placement: percolation thresholds, the study's figures, the calibration.
 
-mod common;
-
-use common::{RADIUS, SPACING, ball, sheet};
+use crate::support::{RADIUS, SPACING, ball, sheet};
 use std::f64::consts::PI;
 
 use snowlab_study::metrics::{

@@ -1,8 +1,6 @@
 //! Shapes whose fragments are known, the derived numbers, and input that must be refused.
 
-mod common;
-
-use common::{SPACING, lattice};
+use crate::support::{SPACING, lattice};
 use snowlab_solver::geometry::Vector;
 use snowlab_study::metrics::{
     BondGraph, FloodRaster, FragmentAnalysis, LinkCurve, MetricError, equivalent_diameter, flood_fill,

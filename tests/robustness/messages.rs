@@ -1,13 +1,9 @@
 //! What is refused, and in which words: file or place, key, value, what is allowed or to do. Nothing panics, hangs or is
 //! let pass.
 
-#[path = "messages/files.rs"]
 mod files;
-#[path = "messages/ranges.rs"]
 mod ranges;
-#[path = "messages/scenes.rs"]
 mod scenes;
-#[path = "messages/studies.rs"]
 mod studies;
 
 use std::path::Path;

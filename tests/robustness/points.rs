@@ -1,9 +1,7 @@
 //! Files of points: what is written comes back bit by bit, what others write is understood, and whatever else stands
 //! in a file is refused with its place and a remedy, without a panic and without memory for points that are not there.
 
-#[path = "points/malformed.rs"]
 mod malformed;
-#[path = "points/mutations.rs"]
 mod mutations;
 
 use std::path::PathBuf;

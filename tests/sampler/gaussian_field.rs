@@ -1,8 +1,9 @@
 //! Gaussian random fields and their level cuts.
 
 use snowlab_sampler::rng::{direction, uniform_vector};
-use snowlab_sampler::{GaussianField, PlaneWaves, Purpose, Region, Streams, VoidField, draw_voids};
-use snowlab_solver::geometry::Vector;
+use snowlab_sampler::{GaussianField, PlaneWaves, Purpose, Streams, VoidField, draw_voids};
+
+use crate::support::snowball;
 
 /// Over fields and places: mean 0, variance 1, and the correlation `exp(-r^2 / (2 l^2))` at every distance.
 fn two_point_correlation_is_gaussian<const D: usize>() {
@@ -59,14 +60,10 @@ fn values_are_normal() {
     assert!((above - 0.1587).abs() < 0.008, "share above one sigma {above}");
 }
 
-fn ball<const D: usize>() -> Region<D> {
-    Region::Ball { centre: Vector::<f64, D>::zeros(), radius: 0.25 }
-}
-
 fn share_and_lengths<const D: usize>(h: f64, porosity: f64, seeds: u64) {
     for seed in 0..seeds {
         let field = VoidField::Gaussian(GaussianField { porosity, correlation_length: 4.0 * h });
-        let voids = draw_voids(&ball::<D>(), &field, h, &Streams::new(seed)).unwrap();
+        let voids = draw_voids(&snowball::<D>(), &field, h, &Streams::new(seed)).unwrap();
         assert!((voids.porosity / porosity - 1.0).abs() < 0.01, "{}", voids.porosity);
         assert!(voids.least_diameter >= 4.0 * h && voids.count > 0);
         assert!(voids.mean_radius >= 0.5 * voids.least_diameter);
@@ -75,7 +72,7 @@ fn share_and_lengths<const D: usize>(h: f64, porosity: f64, seeds: u64) {
         let (mut inside, mut void) = (0.0, 0.0);
         for _ in 0..200_000 {
             let point = uniform_vector::<D>(&mut rng).add_scalar(-0.5) * 0.5;
-            if ball::<D>().contains(&point) {
+            if snowball::<D>().contains(&point) {
                 inside += 1.0;
                 void += f64::from(voids.contains(&point));
             }
@@ -104,7 +101,7 @@ fn longer_correlations_make_fewer_voids() {
         (0..2)
             .map(|seed| {
                 let field = VoidField::Gaussian(GaussianField { porosity: 0.2, correlation_length });
-                draw_voids(&ball::<2>(), &field, 0.0072, &Streams::new(seed)).unwrap().count
+                draw_voids(&snowball::<2>(), &field, 0.0072, &Streams::new(seed)).unwrap().count
             })
             .sum::<usize>()
     };

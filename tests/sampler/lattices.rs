@@ -1,16 +1,14 @@
 //! Lattices and jittered lattices: spacing, angle, one point a cell, how even they are.
 
 use snowlab_sampler::quality::{MeasuringGrid, nearest_neighbour_spacing, particles_per_cell_spread};
-use snowlab_sampler::{LATTICE_ANGLE, Region, Sampler, Streams, lattice_rotation, place};
+use snowlab_sampler::{LATTICE_ANGLE, Sampler, Streams, lattice_rotation, place};
 use snowlab_solver::geometry::Vector;
 
-fn ball<const D: usize>(radius: f64) -> Region<D> {
-    Region::Ball { centre: Vector::<f64, D>::zeros(), radius }
-}
+use crate::support::snowball;
 
 fn sites_are_on_a_turned_lattice<const D: usize>(count: usize, angle: f64) {
     let placement =
-        place(&ball::<D>(0.25), &Sampler::Lattice { angle }, None, count, &Streams::new(1)).unwrap();
+        place(&snowball::<D>(), &Sampler::Lattice { angle }, None, count, &Streams::new(1)).unwrap();
     let spacing = placement.spacing.unwrap();
     // The count of sites in a ball scatters by less than its surface: here under 1 %.
     let mean = (placement.filled_volume / count as f64).powf(1.0 / D as f64);
@@ -41,7 +39,7 @@ fn sites_are_on_a_turned_lattice_in_3d() {
 #[test]
 fn the_angle_is_measured_from_the_first_axis() {
     let placement =
-        place(&ball::<2>(0.25), &Sampler::Lattice { angle: LATTICE_ANGLE }, None, 2_000, &Streams::new(1))
+        place(&snowball::<2>(), &Sampler::Lattice { angle: LATTICE_ANGLE }, None, 2_000, &Streams::new(1))
             .unwrap();
     let step = Vector::<f64, 2>::new(LATTICE_ANGLE.cos(), LATTICE_ANGLE.sin()) * placement.spacing.unwrap();
     let inner = placement.positions.iter().find(|point| point.norm() < 0.1).unwrap();
@@ -54,7 +52,7 @@ fn the_origin_is_uniform_in_a_cell() {
     let phases: Vec<f64> = (0..400)
         .map(|seed| {
             let lattice =
-                place(&ball::<2>(0.25), &Sampler::Lattice { angle: 0.0 }, None, 300, &Streams::new(seed))
+                place(&snowball::<2>(), &Sampler::Lattice { angle: 0.0 }, None, 300, &Streams::new(seed))
                     .unwrap();
             (lattice.positions[0][0] / lattice.spacing.unwrap()).rem_euclid(1.0)
         })
@@ -69,7 +67,7 @@ fn the_origin_is_uniform_in_a_cell() {
 #[test]
 fn no_inner_site_is_missing() {
     let placement =
-        place(&ball::<2>(0.25), &Sampler::Lattice { angle: LATTICE_ANGLE }, None, 3_000, &Streams::new(2))
+        place(&snowball::<2>(), &Sampler::Lattice { angle: LATTICE_ANGLE }, None, 3_000, &Streams::new(2))
             .unwrap();
     let spacing = placement.spacing.unwrap();
     let frame = lattice_rotation::<2>(LATTICE_ANGLE);
@@ -87,7 +85,7 @@ fn no_inner_site_is_missing() {
 
 fn one_jittered_point_a_cell<const D: usize>(count: usize) {
     let placement =
-        place(&ball::<D>(0.25), &Sampler::Jittered { angle: LATTICE_ANGLE }, None, count, &Streams::new(1))
+        place(&snowball::<D>(), &Sampler::Jittered { angle: LATTICE_ANGLE }, None, count, &Streams::new(1))
             .unwrap();
     let spacing = placement.spacing.unwrap();
     // Points in the frame of the lattice, whose origin is the first number of the stream on every axis.
@@ -129,7 +127,7 @@ fn one_jittered_point_a_cell_in_3d() {
 /// Counts per cell: Poisson for random points, so 1/sqrt(PPC); jittered points err only along the edges of cells.
 #[test]
 fn jittered_points_are_more_even_than_random_ones_and_lattices_most() {
-    let region = ball::<2>(0.25);
+    let region = snowball::<2>();
     let grid = MeasuringGrid {
         h: 0.0072,
         origin: Vector::<f64, 2>::new(0.001, 0.002),

@@ -6,18 +6,14 @@ use snowlab_sampler::{
 };
 use snowlab_solver::geometry::Vector;
 
+use crate::support::{ball, snowball};
+
 const SAMPLERS: [Sampler; 4] = [
     Sampler::Random,
     Sampler::Jittered { angle: LATTICE_ANGLE },
     Sampler::Lattice { angle: LATTICE_ANGLE },
     Sampler::PoissonDisk,
 ];
-
-fn ball<const D: usize>(x: f64, radius: f64) -> Region<D> {
-    let mut centre = Vector::<f64, D>::zeros();
-    centre[0] = x;
-    Region::Ball { centre, radius }
-}
 
 /// A ball, a turned box, an ellipsoid, two bodies apart, a shell.
 fn scenes<const D: usize>() -> Vec<Region<D>> {
@@ -79,7 +75,7 @@ fn spares_voids<const D: usize>(region: &Region<D>, voids: &DrawnVoids<D>, count
 
 #[test]
 fn every_sampler_spares_the_voids_in_2d() {
-    let (region, h) = (ball::<2>(0.0, 0.25), 0.0072);
+    let (region, h) = (snowball::<2>(), 0.0072);
     for field in [
         VoidField::Inclusions(InclusionField::circles(h)),
         VoidField::Inclusions(InclusionField::ellipses(h)),
@@ -92,7 +88,7 @@ fn every_sampler_spares_the_voids_in_2d() {
 
 #[test]
 fn every_sampler_spares_the_voids_in_3d() {
-    let (region, h) = (ball::<3>(0.0, 0.25), 0.016);
+    let (region, h) = (snowball::<3>(), 0.016);
     let field = VoidField::Inclusions(InclusionField { porosity: 0.05, ..InclusionField::ellipses(h) });
     let voids = draw_voids(&region, &field, h, &Streams::new(2)).unwrap();
     spares_voids(&region, &voids, 4_000);
@@ -102,7 +98,7 @@ fn every_sampler_spares_the_voids_in_3d() {
 /// placement that the voids spare.
 #[test]
 fn random_points_have_the_prefix_property() {
-    let (region, h, streams) = (ball::<2>(0.0, 0.25), 0.0072, Streams::new(21));
+    let (region, h, streams) = (snowball::<2>(), 0.0072, Streams::new(21));
     let voids = draw_voids(&region, &VoidField::Inclusions(InclusionField::circles(h)), h, &streams).unwrap();
     let points = |voids, count| place(&region, &Sampler::Random, voids, count, &streams).unwrap().positions;
     let solid = points(None, 30_000);
@@ -115,7 +111,7 @@ fn random_points_have_the_prefix_property() {
 
 #[test]
 fn the_seed_alone_decides() {
-    let region = ball::<2>(0.0, 0.25);
+    let region = snowball::<2>();
     for sampler in SAMPLERS {
         let with_seed = |seed| place(&region, &sampler, None, 500, &Streams::new(seed)).unwrap();
         assert_eq!(with_seed(1), with_seed(1));
@@ -140,7 +136,7 @@ fn placements_move_with_their_region() {
 fn every_sampler_fills_evenly() {
     for sampler in SAMPLERS {
         let Placement { positions, .. } =
-            place(&ball::<2>(0.0, 0.25), &sampler, None, 8_000, &Streams::new(4)).unwrap();
+            place(&snowball::<2>(), &sampler, None, 8_000, &Streams::new(4)).unwrap();
         for (x, y) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
             let quadrant =
                 positions.iter().filter(|point| point[0] * x > 0.0 && point[1] * y > 0.0).count() as f64;

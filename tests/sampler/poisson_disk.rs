@@ -4,11 +4,7 @@ use snowlab_sampler::quality::{nearest_neighbour_spacing, pair_correlation};
 use snowlab_sampler::{InclusionField, Placement, Region, Sampler, Streams, VoidField, draw_voids, place};
 use snowlab_solver::geometry::Vector;
 
-fn ball<const D: usize>(x: f64, radius: f64) -> Region<D> {
-    let mut centre = Vector::<f64, D>::zeros();
-    centre[0] = x;
-    Region::Ball { centre, radius }
-}
+use crate::support::{ball, snowball};
 
 fn least_pair<const D: usize>(positions: &[Vector<f64, D>]) -> f64 {
     let mut least = f64::INFINITY;
@@ -25,7 +21,7 @@ fn least_pair<const D: usize>(positions: &[Vector<f64, D>]) -> f64 {
 fn keeps_its_distance<const D: usize>(count: usize, least_packing: f64, most_packing: f64) {
     for seed in 0..3 {
         let Placement { positions, filled_volume, spacing, .. } =
-            place(&ball::<D>(0.0, 0.25), &Sampler::PoissonDisk, None, count, &Streams::new(seed)).unwrap();
+            place(&snowball::<D>(), &Sampler::PoissonDisk, None, count, &Streams::new(seed)).unwrap();
         let distance = spacing.unwrap();
         assert_eq!(positions.len(), count);
         assert!(least_pair(&positions) >= distance);
@@ -45,7 +41,7 @@ fn points_keep_their_distance_in_3d() {
 }
 
 fn correlation_starts_at_the_distance<const D: usize>(count: usize) {
-    let region = ball::<D>(0.0, 0.25);
+    let region = snowball::<D>();
     let placement = place(&region, &Sampler::PoissonDisk, None, count, &Streams::new(1)).unwrap();
     let distance = placement.spacing.unwrap();
     let density = count as f64 / placement.filled_volume;
@@ -80,7 +76,7 @@ fn bodies_apart_are_filled_alike() {
 /// Voids spared, no part of the solid is left empty: no point of it is farther than two distances from a particle.
 #[test]
 fn the_solid_between_voids_is_filled() {
-    let (region, h, streams) = (ball::<2>(0.0, 0.25), 0.0072, Streams::new(1));
+    let (region, h, streams) = (snowball::<2>(), 0.0072, Streams::new(1));
     let field = VoidField::Inclusions(InclusionField::ellipses(h));
     let voids = draw_voids(&region, &field, h, &streams).unwrap();
     let placement = place(&region, &Sampler::PoissonDisk, Some(&voids), 5_000, &streams).unwrap();

@@ -11,9 +11,7 @@ use snowlab_sampler::{
 };
 use snowlab_solver::geometry::Vector;
 
-fn ball<const D: usize>() -> Region<D> {
-    Region::Ball { centre: Vector::<f64, D>::zeros(), radius: 0.25 }
-}
+use crate::support::snowball;
 
 fn grid<const D: usize>(region: &Region<D>, h: f64) -> MeasuringGrid<'_, D> {
     MeasuringGrid { h, origin: Vector::<f64, D>::repeat(0.001), region, voids: None }
@@ -21,7 +19,7 @@ fn grid<const D: usize>(region: &Region<D>, h: f64) -> MeasuringGrid<'_, D> {
 
 /// Root mean square over seeds of the relative spread of the grid density.
 fn density_spread<const D: usize>(sampler: Sampler, count: usize, h: f64, weight_spread: f64) -> (f64, f64) {
-    let region = ball::<D>();
+    let region = snowball::<D>();
     let (mut square, mut mean) = (0.0, 0.0);
     for seed in 0..8 {
         let positions = place(&region, &sampler, None, count, &Streams::new(seed)).unwrap().positions;
@@ -86,7 +84,8 @@ fn neighbours_by_all_pairs<const D: usize>(positions: &[Vector<f64, D>]) -> Vec<
 }
 
 fn spacing_agrees_with_all_pairs<const D: usize>() {
-    let mut positions = place(&ball::<D>(), &Sampler::Random, None, 800, &Streams::new(1)).unwrap().positions;
+    let mut positions =
+        place(&snowball::<D>(), &Sampler::Random, None, 800, &Streams::new(1)).unwrap().positions;
     // A far point, which a search of fixed radius would miss, and a pair of coincident ones.
     positions.push(Vector::<f64, D>::repeat(9.0));
     positions.push(positions[0]);
@@ -107,18 +106,18 @@ fn spacing_agrees_with_all_pairs_in_2d_and_3d() {
 /// Chandrasekhar 1943: `1/(2 sqrt(n))` in 2D, `0.55396 n^(-1/3)` in 3D; the surface adds a per cent or a few.
 #[test]
 fn random_points_have_the_spacing_of_theory() {
-    let flat = place(&ball::<2>(), &Sampler::Random, None, 30_000, &Streams::new(2)).unwrap();
+    let flat = place(&snowball::<2>(), &Sampler::Random, None, 30_000, &Streams::new(2)).unwrap();
     let density = 30_000.0 / flat.filled_volume;
     let spacing = nearest_neighbour_spacing(&flat.positions).unwrap().mean;
     assert!((spacing * 2.0 * density.sqrt() - 1.0).abs() < 0.02);
-    let solid = place(&ball::<3>(), &Sampler::Random, None, 30_000, &Streams::new(2)).unwrap();
+    let solid = place(&snowball::<3>(), &Sampler::Random, None, 30_000, &Streams::new(2)).unwrap();
     let density = 30_000.0 / solid.filled_volume;
     let spacing = nearest_neighbour_spacing(&solid.positions).unwrap().mean;
     assert!((spacing / 0.553_96 * density.cbrt() - 1.0).abs() < 0.04);
 }
 
 fn random_points_are_uncorrelated<const D: usize>(reach: f64) {
-    let region = ball::<D>();
+    let region = snowball::<D>();
     let placement = place(&region, &Sampler::Random, None, 20_000, &Streams::new(3)).unwrap();
     let density = 20_000.0 / placement.filled_volume;
     let correlation = pair_correlation(&placement.positions, &region, density, reach, 10).unwrap();
@@ -137,7 +136,7 @@ fn random_points_are_uncorrelated_in_2d_and_3d() {
 /// On a square lattice the neighbours sit at 1, sqrt(2), 2 spacings and nowhere between.
 #[test]
 fn a_lattice_has_its_shells() {
-    let region = ball::<2>();
+    let region = snowball::<2>();
     let placement =
         place(&region, &Sampler::Lattice { angle: LATTICE_ANGLE }, None, 5_000, &Streams::new(3)).unwrap();
     let spacing = placement.spacing.unwrap();
@@ -163,7 +162,7 @@ fn a_lattice_has_its_shells() {
 /// 1 for independent points, and for independent weights on them; next to nothing for a lattice between its peaks.
 #[test]
 fn the_spectrum_tells_noise_from_order() {
-    let region = ball::<2>();
+    let region = snowball::<2>();
     let waves: Vec<f64> = (0..16).map(|step| 300.0 + 40.0 * f64::from(step)).collect();
     let mean = |spectrum: Vec<f64>| spectrum.iter().sum::<f64>() / spectrum.len() as f64;
     let at = |sampler| place(&region, &sampler, None, 5_000, &Streams::new(4)).unwrap().positions;
@@ -183,7 +182,7 @@ fn the_spectrum_tells_noise_from_order() {
 /// With voids, only cells and supports that meet none are counted, so that random points keep their spread.
 #[test]
 fn voids_are_left_out_of_the_grid_measures() {
-    let (region, h, streams) = (ball::<2>(), 0.0072, Streams::new(5));
+    let (region, h, streams) = (snowball::<2>(), 0.0072, Streams::new(5));
     let voids =
         draw_voids(&region, &VoidField::Inclusions(InclusionField::ellipses(h)), h, &streams).unwrap();
     let placement = place(&region, &Sampler::Random, Some(&voids), 30_000, &streams).unwrap();
@@ -200,7 +199,7 @@ fn voids_are_left_out_of_the_grid_measures() {
 
 #[test]
 fn measures_without_anything_to_measure_say_so() {
-    let region = ball::<2>();
+    let region = snowball::<2>();
     let one = [Vector::<f64, 2>::zeros()];
     assert!(matches!(nearest_neighbour_spacing(&one), Err(SamplerError::TooFewSamples { found: 1, .. })));
     assert!(matches!(nearest_neighbour_spacing::<2>(&[]), Err(SamplerError::TooFewSamples { found: 0, .. })));

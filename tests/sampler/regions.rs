@@ -4,11 +4,7 @@ use snowlab_sampler::rng::{ChaCha8Rng, uniform_vector};
 use snowlab_sampler::{Purpose, Region, SamplerError, Streams, rotation};
 use snowlab_solver::geometry::{Matrix, Vector};
 
-fn ball<const D: usize>(x: f64, radius: f64) -> Region<D> {
-    let mut centre = Vector::<f64, D>::zeros();
-    centre[0] = x;
-    Region::Ball { centre, radius }
-}
+use crate::support::ball;
 
 fn turned_box<const D: usize>() -> Region<D> {
     Region::Box {

@@ -7,16 +7,12 @@ use snowlab_sampler::{
 };
 use snowlab_solver::geometry::Vector;
 
+use crate::support::{ball, snowball};
+
 const H: f64 = 0.0072;
 
-fn ball<const D: usize>(x: f64) -> Region<D> {
-    let mut centre = Vector::<f64, D>::zeros();
-    centre[0] = x;
-    Region::Ball { centre, radius: 0.25 }
-}
-
 fn drawn<const D: usize>(field: InclusionField, h: f64, seed: u64) -> DrawnVoids<D> {
-    draw_voids(&ball::<D>(0.0), &VoidField::Inclusions(field), h, &Streams::new(seed)).unwrap()
+    draw_voids(&snowball::<D>(), &VoidField::Inclusions(field), h, &Streams::new(seed)).unwrap()
 }
 
 /// Coarser in 3D, to be quick: a ball of 31 cells with a few voids.
@@ -24,7 +20,7 @@ const H3: f64 = 0.016;
 const FIELD3: InclusionField = InclusionField { porosity: 0.06, ..InclusionField::ellipses(H3) };
 
 fn void_share<const D: usize>(voids: &DrawnVoids<D>, throws: usize) -> (f64, f64) {
-    let region = ball::<D>(0.0);
+    let region = snowball::<D>();
     let mut rng = Streams::new(77).stream(Purpose::Noise);
     let (mut inside, mut void) = (0.0, 0.0);
     for _ in 0..throws {
@@ -260,7 +256,7 @@ fn sizes_follow_their_distribution() {
 #[test]
 fn the_seed_alone_decides_and_a_shift_moves_the_field() {
     let field = VoidField::Inclusions(InclusionField::ellipses(H));
-    let at = |x, seed| draw_voids(&ball::<2>(x), &field, H, &Streams::new(seed)).unwrap();
+    let at = |x, seed| draw_voids(&ball::<2>(x, 0.25), &field, H, &Streams::new(seed)).unwrap();
     let (here, there) = (at(0.0, 1), at(0.0051, 1));
     assert_eq!(here, at(0.0, 1));
     assert_ne!(here.inclusions(), at(0.0, 2).inclusions());
@@ -299,7 +295,7 @@ fn bodies_of_two_parts_may_have_voids() {
 #[test]
 fn a_field_without_room_says_why() {
     let field = InclusionField { porosity: 0.6, ..InclusionField::circles(H) };
-    let error = draw_voids(&ball::<2>(0.0), &VoidField::Inclusions(field), H, &Streams::new(1)).unwrap_err();
+    let error = draw_voids(&snowball::<2>(), &VoidField::Inclusions(field), H, &Streams::new(1)).unwrap_err();
     let message = error.to_string();
     let SamplerError::FieldRejected { draws, rejections, .. } = error else { panic!("{message}") };
     assert_eq!((draws, rejections.crowded), (100, 100));

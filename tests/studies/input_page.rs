@@ -1,8 +1,6 @@
 //! `docs/input.md` against the code: every key, type, default and range, both ways, and every example.
 
-#[path = "input_page/page.rs"]
 mod page;
-#[path = "input_page/schema.rs"]
 mod schema;
 
 use std::collections::{BTreeMap, BTreeSet};

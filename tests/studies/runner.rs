@@ -1,12 +1,8 @@
 //! The command on tiny studies and scenes: 2D, a few hundred particles, a few dozen steps.
 
-#[path = "runner/exit_codes.rs"]
 mod exit_codes;
-#[path = "runner/resuming.rs"]
 mod resuming;
-#[path = "runner/scenes.rs"]
 mod scenes;
-#[path = "runner/tables.rs"]
 mod tables;
 
 use std::collections::BTreeMap;

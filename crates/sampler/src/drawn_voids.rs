@@ -49,7 +49,7 @@ impl<const D: usize> DrawnVoids<D> {
 pub struct Rejections {
     /// No room for all voids.
     pub crowded: usize,
-    /// A void narrower than 4 h.
+    /// A void whose circle or ball of equal size is narrower than 4 h.
     pub small_void: usize,
     /// The solid falls apart, opened by a disc or ball of radius h.
     pub broken_solid: usize,

@@ -88,7 +88,7 @@ impl<'a, const D: usize> Acceptance<'a, D> {
         })
     }
 
-    /// Whether the field may be used: no void narrower than 4 h, the solid opened by a ball of radius h in as many
+    /// Whether the field may be used: no void whose circle or ball of equal size is narrower than 4 h, the solid opened by a ball of radius h in as many
     /// pieces as the region without voids (one for one body), porosity within 1 %. Returns the field with its measures.
     pub fn judge(&self, shape: VoidShape<D>) -> Result<DrawnVoids<D>, Rejection> {
         let mut void = vec![false; self.raster.len()];

@@ -21,7 +21,7 @@ pub const ENDPOINTS: [&str; 10] = [
     "ln_extent",
 ];
 /// The tables' own columns, whose names an axis of a sweep cannot have.
-pub const OWN_COLUMNS: [&str; 67] = [
+pub const OWN_COLUMNS: [&str; 68] = [
     "arm",
     "block",
     "cases",
@@ -47,6 +47,7 @@ pub const OWN_COLUMNS: [&str; 67] = [
     "key",
     "kinetic",
     "least",
+    "least_void_width",
     "ln_extent",
     "ln_neff",
     "ln_neff_bonds",
@@ -117,6 +118,12 @@ pub fn case_row(result: &CaseResult) -> Row {
         .number("particles_per_cell", "-", "particles per cell of the filled space", made.particles_per_cell)
         .number("porosity", "-", "share of the body that is void", made.porosity)
         .count("voids", "number of voids", made.voids as u64)
+        .number(
+            "least_void_width",
+            "m",
+            "width of the narrowest void: the largest circle or ball in it",
+            made.least_void_width,
+        )
         .count("void_draws", "draws until a void field was accepted", made.void_draws as u64)
         .number("mass", "kg/m or kg", "mass of all particles", made.mass);
     measured(&mut row, result);

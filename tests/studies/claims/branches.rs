@@ -2,7 +2,7 @@
 
 use snowlab_study::claims::*;
 
-use crate::arms::*;
+use super::arms::*;
 
 /// Observations whose rows are changed one by one; the checks keep the unchanged rows.
 fn with(differences: &[f64], change: impl Fn(&mut ArmValue)) -> Observations {

@@ -3,7 +3,7 @@
 use snowlab_study::claims::*;
 use snowlab_study::statistics::FiellerSet;
 
-use crate::arms::*;
+use super::arms::*;
 
 fn named(id: &str) -> Claim {
     Claim { id: id.into(), ..paired() }

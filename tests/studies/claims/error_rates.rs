@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use snowlab_study::claims::*;
 use snowlab_study::statistics::normal_quantile;
 
-use crate::arms::*;
+use super::arms::*;
 
 const DRAWS: usize = 2000;
 

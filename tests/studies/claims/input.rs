@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use snowlab_study::claims::*;
 
-use crate::arms::*;
+use super::arms::*;
 
 #[derive(Deserialize)]
 struct File {

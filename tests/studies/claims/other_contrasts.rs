@@ -3,7 +3,7 @@
 use snowlab_study::claims::*;
 use snowlab_study::statistics::least_squares_slope;
 
-use crate::arms::*;
+use super::arms::*;
 
 const COUNTS: [f64; 4] = [5e3, 1e4, 2e4, 3e4];
 

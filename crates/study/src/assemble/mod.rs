@@ -45,6 +45,9 @@ pub struct Made {
     pub porosity: f64,
     /// Draws of void fields until each was accepted, all bodies together; 0 without voids.
     pub void_draws: usize,
+    /// Width of the narrowest void [m]: the diameter of the largest circle or ball in it; infinite without voids.
+    #[serde(with = "crate::record::maybe_infinite")]
+    pub least_void_width: f64,
     /// Number of voids.
     pub voids: usize,
     /// Particles per cell of the filled space.
@@ -73,7 +76,7 @@ pub fn assemble<T: Real, const D: usize>(
         return Err(SpecError::value("`dimension`", format!("is {}, but {D} is asked for", spec.dimension)));
     }
     let mut particles = Vec::new();
-    let mut made = Made::default();
+    let mut made = Made { least_void_width: f64::INFINITY, ..Made::default() };
     for (number, body) in spec.body.iter().enumerate() {
         let built = build_body::<D>(spec, body, number, folder)?;
         made.add(&built, number);
@@ -101,6 +104,7 @@ impl Made {
         if let Some(voids) = &body.voids {
             self.void_draws += voids.draws;
             self.voids += voids.count;
+            self.least_void_width = self.least_void_width.min(voids.least_width);
         }
         if number == 0 {
             self.phase = body.phase.iter().copied().collect();

@@ -11,7 +11,7 @@ use super::style::{self, DUST, HEADING, Ink, LABEL, MUTED, TEXT, TICK};
 use super::text::{self, Face};
 use super::window::{in_fragments, inside, window, within};
 use plotters::chart::LabelAreaPosition;
-use plotters::element::{PathElement, Polygon, Rectangle};
+use plotters::element::{PathElement, Polygon};
 
 /// Particles at one time.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +26,8 @@ pub struct Snapshot<'a> {
     pub count: usize,
     /// Mass of the heaviest fragment over the mass of the case.
     pub largest_share: f64,
+    /// Outlines of the obstacles [m]; a floor is a rectangle that reaches far beyond the particles.
+    pub obstacles: &'a [Vec<[f64; 2]>],
 }
 
 /// One arm: the ball before and after.
@@ -48,10 +50,6 @@ pub struct Snowballs<'a> {
     pub title: &'a str,
     /// One column each.
     pub balls: &'a [Snowball<'a>],
-    /// Height of the floor [m].
-    pub floor: f64,
-    /// Outline of an obstacle on the floor [m], such as a wedge; may be empty.
-    pub obstacle: &'a [[f64; 2]],
     /// Names of the two rows, such as `before` and `6 R/v after contact`.
     pub rows: [&'a str; 2],
     /// Width of the figure [pixels]; 1800 keeps four arms of 30,000 particles legible.
@@ -83,7 +81,7 @@ pub fn fragments(figure: &Snowballs<'_>) -> Result<Drawing, FigureError> {
                 let panel = layout.panel(sheet, [column, row])?;
                 layout.splats(&panel, ball.spacing, snapshot, &ink, &order)?;
                 layout.caption(sheet, [column, row], snapshot)?;
-                foreground(&panel, figure)?;
+                foreground(&panel, snapshot)?;
             }
         }
         layout.length_bar(sheet, 30.0)?;
@@ -115,7 +113,7 @@ pub fn plastic_volume(figure: &Snowballs<'_>) -> Result<Drawing, FigureError> {
                 let order = |k: usize| (values[k].abs() * 1e6) as u64;
                 let panel = layout.panel(sheet, [column, row])?;
                 layout.splats(&panel, ball.spacing, snapshot, &ink, &order)?;
-                foreground(&panel, figure)?;
+                foreground(&panel, snapshot)?;
             }
         }
         layout.length_bar(sheet, 74.0)?;
@@ -173,11 +171,10 @@ impl Layout {
         let mut top = start + names;
         let mut areas = Vec::new();
         let mut corners = Vec::new();
-        for row in rows {
-            // A row without particles shows the floor alone.
-            let empty = ([low, figure.floor], [high, figure.floor + 0.3 * (high - low)]);
-            let (row_low, row_high) = row.unwrap_or(empty);
-            let bottom = row_low[1].min(figure.floor) - 2.0 * pad;
+        for (row, row_window) in rows.into_iter().enumerate() {
+            // A row without particles shows some empty space.
+            let (row_low, row_high) = row_window.unwrap_or(([low, 0.0], [high, 0.3 * (high - low)]));
+            let bottom = below(figure, row, [low, high], row_low[1]) - 2.0 * pad;
             let height = ((row_high[1] + pad - bottom) * scale).ceil().min(TALLEST * panel);
             let left = style::MARGIN + ROW_LABEL;
             areas.push(Rect { left, top, right: left + panel, bottom: top + height });
@@ -344,12 +341,25 @@ impl Layout {
     }
 }
 
-/// The floor and the obstacle in a panel.
-fn foreground(panel: &Panel<'_>, figure: &Snowballs<'_>) -> Result<(), FigureError> {
-    let (x, floor) = (panel.x, figure.floor);
-    let ground = [(x.low, floor), (x.high, panel.y.low)];
-    panel.plot().draw(&Rectangle::new(ground, filled(Ink::hex(0xdfe3e7))))?;
-    panel.plot().draw(&PathElement::new([(x.low, floor), (x.high, floor)], stroked(2.5, TEXT)))?;
-    let outline = within(&[panel.x, panel.y], figure.obstacle);
-    Ok(panel.plot().draw(&Polygon::new(outline, filled(Ink::hex(0x7d8791))))?)
+/// How far down a row must reach to show the obstacles under its particles, the lowest of which lie at `lowest` [m]: to the top of
+/// a floor; to the half of what stands free, such as a wedge.
+fn below(figure: &Snowballs<'_>, row: usize, [left, right]: [f64; 2], lowest: f64) -> f64 {
+    let outlines = figure.balls.iter().flat_map(|ball| [ball.before, ball.after][row].obstacles);
+    let under = outlines.filter_map(|outline| {
+        let ([x_low, y_low], [x_high, top]) = window(std::slice::from_ref(outline))?;
+        let stands_free = left < x_low && x_high < right;
+        (top <= lowest).then_some(if stands_free { 0.5 * (y_low + top) } else { top })
+    });
+    under.fold(lowest, f64::min)
+}
+
+/// The obstacles in a panel.
+fn foreground(panel: &Panel<'_>, snapshot: &Snapshot<'_>) -> Result<(), FigureError> {
+    for outline in snapshot.obstacles {
+        let seen = within(&[panel.x, panel.y], outline);
+        let edge = seen.iter().chain(seen.first()).copied().collect::<Vec<_>>();
+        panel.plot().draw(&Polygon::new(seen, filled(Ink::hex(0xdfe3e7))))?;
+        panel.plot().draw(&PathElement::new(edge, stroked(2.5, TEXT)))?;
+    }
+    Ok(())
 }

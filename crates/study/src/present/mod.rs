@@ -1,6 +1,7 @@
 //! A study's figures and report, from its results. Nothing here simulates.
 
 mod charts;
+mod obstacles;
 mod page;
 mod pictures;
 

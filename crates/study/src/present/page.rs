@@ -81,7 +81,7 @@ fn arms(findings: Findings) -> Vec<ReportArm> {
         let made = &first.record.made;
         let ended = group.iter().filter(|result| usable(result)).count();
         let voids = if made.voids > 0 {
-            format!(", {} voids, porosity {:.3}", made.voids, made.porosity)
+            format!(", {} voids, porosity {:.3}{}", made.voids, made.porosity, selection(&group))
         } else {
             String::new()
         };
@@ -95,6 +95,23 @@ fn arms(findings: Findings) -> Vec<ReportArm> {
         });
     }
     arms
+}
+
+/// Below this share of void fields accepted, the fields of an arm are a selection of those that the shape allows (study
+/// definition).
+const SELECTED: f64 = 0.5;
+
+/// Marks an arm whose void fields were accepted less than half the time.
+fn selection(group: &[&crate::results::CaseResult]) -> String {
+    let draws: usize = group.iter().map(|result| result.record.made.void_draws).sum();
+    let bodies: usize =
+        group.iter().map(|result| result.case.scene.body.iter().filter(|b| b.voids.is_some()).count()).sum();
+    let accepted = bodies as f64 / draws.max(1) as f64;
+    if accepted < SELECTED {
+        format!(", selected ({:.0} % of the fields drawn)", 100.0 * accepted)
+    } else {
+        String::new()
+    }
 }
 
 fn name(findings: Findings, result: &crate::results::CaseResult) -> String {

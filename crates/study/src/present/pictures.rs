@@ -6,7 +6,9 @@ use crate::figure::snowballs::{self, Snapshot, Snowball, Snowballs};
 use crate::frames::{Frame, Frames};
 use crate::measure::Ruler;
 use crate::results::CaseResult;
+use crate::spec::scene::ColliderSpec;
 
+use super::obstacles::outline;
 use super::{Findings, Titled, drawn};
 
 /// Width of the figures [pixels]: 30,000 particles in each of four columns stay legible.
@@ -19,6 +21,7 @@ struct Drawn {
     ln_ratio: Vec<f64>,
     count: usize,
     largest_share: f64,
+    obstacles: Vec<Vec<[f64; 2]>>,
 }
 
 struct Ball {
@@ -44,14 +47,7 @@ pub fn snowballs(findings: Findings) -> anyhow::Result<Vec<Titled>> {
         let time = balls.first().map_or(0.0, |ball| ball.end);
         let after = format!("{time:.1} R/v after contact");
         let columns: Vec<Snowball> = balls.iter().map(Ball::column).collect();
-        let figure = Snowballs {
-            title: "",
-            balls: &columns,
-            floor: 0.0,
-            obstacle: &[],
-            rows: ["before", &after],
-            width: WIDTH,
-        };
+        let figure = Snowballs { title: "", balls: &columns, rows: ["before", &after], width: WIDTH };
         let words = name.replace('-', " ");
         let counts: Vec<String> = balls
             .iter()
@@ -92,12 +88,12 @@ fn ball(findings: Findings, result: &CaseResult) -> anyhow::Result<Ball> {
     let ruler = Ruler::new(&findings.archive.study.measure, &result.case.scene, &result.record);
     let empty = Frame { time: 0.0, positions: Vec::new(), plastic_ratios: Vec::new() };
     let (before, after) = (frames.frames.first().unwrap_or(&empty), frames.frames.last().unwrap_or(&empty));
-    let made = &result.record.made;
+    let (made, colliders) = (&result.record.made, &result.case.scene.collider);
     Ok(Ball {
         label: findings.archive.study.label(&result.case.arm),
         spacing: (made.filled_volume / made.particles.max(1) as f64).sqrt(),
-        before: Drawn::of(&frames, before, &ruler)?,
-        after: Drawn::of(&frames, after, &ruler)?,
+        before: Drawn::of(&frames, before, &ruler, colliders)?,
+        after: Drawn::of(&frames, after, &ruler, colliders)?,
         end: (after.time - result.record.contact_time.unwrap_or(0.0)) / result.record.time_unit,
     })
 }
@@ -114,7 +110,12 @@ impl Ball {
 }
 
 impl Drawn {
-    fn of(frames: &Frames<2>, frame: &Frame<2>, ruler: &Ruler) -> anyhow::Result<Self> {
+    fn of(
+        frames: &Frames<2>,
+        frame: &Frame<2>,
+        ruler: &Ruler,
+        colliders: &[ColliderSpec],
+    ) -> anyhow::Result<Self> {
         let analysis = ruler.fragments(&frame.points(), &frames.masses)?;
         let heavy = analysis.count(ruler.least_mass) as u32;
         let origin = frames.origin;
@@ -124,6 +125,7 @@ impl Drawn {
             ln_ratio: frame.plastic_ratios.iter().map(|&j| libm::log(f64::from(j))).collect(),
             count: heavy as usize,
             largest_share: analysis.largest_share(),
+            obstacles: colliders.iter().map(|collider| outline(collider, frame.time)).collect(),
         })
     }
 
@@ -134,6 +136,7 @@ impl Drawn {
             ln_plastic_volume_ratio: &self.ln_ratio,
             count: self.count,
             largest_share: self.largest_share,
+            obstacles: &self.obstacles,
         }
     }
 }

@@ -6,22 +6,20 @@ use snowlab_sampler::{
 };
 use snowlab_solver::geometry::{Matrix, Vector};
 
+use crate::support::{ball, snowball};
+
 const H: f64 = 0.0072;
 const HOSTILE: [f64; 8] =
     [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 0.0, 1e-300, 1e300, f64::MIN_POSITIVE / 4.0];
 
-fn ball(radius: f64) -> Region<2> {
-    Region::Ball { centre: Vector::<f64, 2>::zeros(), radius }
-}
-
 fn refused(field: VoidField) -> String {
-    draw_voids(&ball(0.25), &field, H, &Streams::new(1)).unwrap_err().to_string()
+    draw_voids(&snowball::<2>(), &field, H, &Streams::new(1)).unwrap_err().to_string()
 }
 
 #[test]
 fn counts_are_refused_with_their_range() {
     for count in [0, MOST_PARTICLES + 1, usize::MAX] {
-        let error = place(&ball(0.25), &Sampler::Random, None, count, &Streams::new(1)).unwrap_err();
+        let error = place(&snowball::<2>(), &Sampler::Random, None, count, &Streams::new(1)).unwrap_err();
         assert!(matches!(error, SamplerError::CountOutOfRange { value, .. } if value == count));
         assert!(error.to_string().contains("number of particles is"), "{error}");
     }
@@ -77,11 +75,11 @@ fn parameters_of_fields_are_refused_with_name_value_and_range() {
 #[test]
 fn hostile_numbers_never_panic_or_hang() {
     let streams = Streams::new(u64::MAX);
-    let small = ball(0.05);
+    let small = ball::<2>(0.0, 0.05);
     let field = InclusionField::circles(0.005);
     for value in HOSTILE {
         assert!(
-            place(&ball(value), &Sampler::Random, None, 10, &streams).is_err()
+            place(&ball::<2>(0.0, value), &Sampler::Random, None, 10, &streams).is_err()
                 || value == 1e-300
                 || value > 0.0
         );
@@ -114,7 +112,8 @@ fn hostile_numbers_never_panic_or_hang() {
 
 #[test]
 fn empty_regions_are_refused() {
-    let nothing = Region::Difference { solid: Box::new(ball(0.2)), removed: Box::new(ball(0.3)) };
+    let nothing =
+        Region::Difference { solid: Box::new(ball::<2>(0.0, 0.2)), removed: Box::new(ball::<2>(0.0, 0.3)) };
     let sliver = Region::Box {
         centre: Vector::<f64, 2>::zeros(),
         half_extent: Vector::<f64, 2>::new(1.0, 1e-5),
@@ -157,7 +156,7 @@ fn thin_regions_are_filled() {
 #[test]
 fn a_region_that_is_all_void_is_given_up() {
     let field = VoidField::Inclusions(InclusionField::circles(H));
-    let voids: DrawnVoids<2> = draw_voids(&ball(0.25), &field, H, &Streams::new(1)).unwrap();
+    let voids: DrawnVoids<2> = draw_voids(&snowball::<2>(), &field, H, &Streams::new(1)).unwrap();
     let (centre, radius) = voids.inclusions()[0];
     let inside_a_void = Region::Ball { centre, radius: 0.3 * radius };
     for sampler in [Sampler::Random, Sampler::Jittered { angle: 0.1 }, Sampler::PoissonDisk] {

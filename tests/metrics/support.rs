@@ -1,5 +1,4 @@
 //! Placements for the tests of the metrics, each from its own seed.
-#![allow(dead_code)]
 
 use nalgebra::SMatrix;
 use rand::{Rng, SeedableRng};

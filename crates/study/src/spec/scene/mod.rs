@@ -1,0 +1,55 @@
+//! A scene file: bodies, obstacles, numerics, output.
+
+mod body;
+mod collider;
+mod material;
+mod numerics;
+mod output;
+mod placement;
+mod region;
+mod voids;
+
+pub use body::BodySpec;
+pub use collider::{ColliderSpec, ContactName, SolidSpec};
+pub use material::MaterialSpec;
+pub use numerics::{AdvectionName, KernelName, NumericsSpec, PrecisionName, RestVolumeName, TransferName};
+pub use output::{EndFrom, OutputSpec, TimeUnit};
+pub use placement::{CountOf, PlacementSpec};
+pub use region::RegionSpec;
+pub use voids::{InclusionSpec, VoidSpec};
+
+use serde::{Deserialize, Serialize};
+
+/// A scene. Lengths in metres, times in seconds, SI throughout; in 2D mass and energy are per metre of depth.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneSpec {
+    /// 2 or 3.
+    #[serde(default = "plane")]
+    pub dimension: usize,
+    /// Seed of all random streams; in a study the number of the block.
+    #[serde(default = "first_seed")]
+    pub seed: u64,
+    /// Acceleration of gravity [m/s^2]; zero when left out.
+    #[serde(default)]
+    pub gravity: Vec<f64>,
+    /// Grid, kernel, transfer, time step.
+    pub numerics: NumericsSpec,
+    /// Bodies of material.
+    pub body: Vec<BodySpec>,
+    /// Obstacles.
+    #[serde(default)]
+    pub collider: Vec<ColliderSpec>,
+    /// When frames are kept and when the run ends.
+    pub output: OutputSpec,
+}
+
+/// `dimension` where it is left out.
+fn plane() -> usize {
+    2
+}
+
+/// `seed` where it is left out.
+fn first_seed() -> u64 {
+    1
+}

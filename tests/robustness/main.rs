@@ -1,0 +1,4 @@
+//! Whatever a user may hand in: it is understood or refused in words that help, and nothing panics or hangs.
+
+mod messages;
+mod points;

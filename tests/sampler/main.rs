@@ -1,0 +1,12 @@
+//! What placements and void fields must do, against theory, plain sums over all pairs and pinned numbers.
+
+mod errors;
+mod gaussian_field;
+mod lattices;
+mod placements;
+mod poisson_disk;
+mod quality;
+mod regions;
+mod streams;
+mod support;
+mod void_fields;
