@@ -6,6 +6,7 @@
 mod evidence;
 mod page;
 mod scenes;
+mod stability;
 mod strain_path;
 
 use std::path::Path;
@@ -31,12 +32,20 @@ pub struct Experiment {
 }
 
 /// All experiments, in the order of the page.
-pub const EXPERIMENTS: &[Experiment] = &[Experiment {
-    id: "strain-path",
-    title: "A strain path through both yield limits",
-    run: strain_path::run,
-    section: include_str!("pages/strain-path.md.jinja"),
-}];
+pub const EXPERIMENTS: &[Experiment] = &[
+    Experiment {
+        id: "strain-path",
+        title: "A strain path through both yield limits",
+        run: strain_path::run,
+        section: include_str!("pages/strain-path.md.jinja"),
+    },
+    Experiment {
+        id: "stability",
+        title: "Where a step becomes unstable",
+        run: stability::run,
+        section: include_str!("pages/stability.md.jinja"),
+    },
+];
 
 /// An experiment with what it found.
 pub type Found = (&'static Experiment, Evidence);

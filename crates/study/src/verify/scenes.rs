@@ -106,3 +106,26 @@ pub fn wall<T: Real, const D: usize>(axis: usize, sign: f64, at: f64, contact: C
         velocity: Vector::zeros(),
     }
 }
+
+/// Both B-splines.
+pub const KERNELS: [KernelKind; 2] = [KernelKind::Cubic, KernelKind::Quadratic];
+/// The transfers compared: FLIP as S13 has it, APIC, MLS.
+pub const TRANSFERS: [Transfer; 3] =
+    [Transfer::Flip(FlipShare::PerStep(0.95)), Transfer::Apic, Transfer::Mls];
+
+/// `cubic` or `quadratic`.
+pub fn kernel_name(kernel: KernelKind) -> &'static str {
+    match kernel {
+        KernelKind::Cubic => "cubic",
+        KernelKind::Quadratic => "quadratic",
+    }
+}
+
+/// `flip`, `apic` or `mls`.
+pub fn transfer_name(transfer: Transfer) -> &'static str {
+    match transfer {
+        Transfer::Flip(_) => "flip",
+        Transfer::Apic => "apic",
+        Transfer::Mls => "mls",
+    }
+}
