@@ -3,6 +3,7 @@
 //! An experiment is a file that returns its [`Evidence`]; [`EXPERIMENTS`] lists them in the order of the page. To add one: the
 //! file, its line in the list, and its section `pages/<id>.md.jinja`, which sees the tables of all.
 
+mod energy_budget;
 mod evidence;
 mod page;
 mod scenes;
@@ -38,6 +39,12 @@ pub const EXPERIMENTS: &[Experiment] = &[
         title: "A strain path through both yield limits",
         run: strain_path::run,
         section: include_str!("pages/strain-path.md.jinja"),
+    },
+    Experiment {
+        id: "energy-budget",
+        title: "Where the energy of an impact goes",
+        run: energy_budget::run,
+        section: include_str!("pages/energy-budget.md.jinja"),
     },
     Experiment {
         id: "stability",

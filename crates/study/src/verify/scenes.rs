@@ -129,3 +129,14 @@ pub fn transfer_name(transfer: Transfer) -> &'static str {
         Transfer::Mls => "mls",
     }
 }
+
+/// The exponent p of error = C size^p, by least squares in logarithms; `points` are (size, error).
+pub fn observed_order(points: &[(f64, f64)]) -> f64 {
+    let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (libm::log(*x), libm::log(*y))).collect();
+    let count = logs.len() as f64;
+    let (x, y) = logs.iter().fold((0.0, 0.0), |(sx, sy), (x, y)| (sx + x / count, sy + y / count));
+    let (top, bottom) = logs
+        .iter()
+        .fold((0.0, 0.0), |(top, bottom), (u, v)| (top + (u - x) * (v - y), bottom + (u - x) * (u - x)));
+    top / bottom
+}
