@@ -3,7 +3,7 @@
 use crate::error::SceneError;
 use crate::geometry::{Shape, Vector, is_zero};
 use crate::grid::Grid;
-use crate::ledger::StepLedger;
+use crate::ledger::{StepLedger, impulse_energy};
 use crate::particles::{ParticleConstants, ParticleMotion};
 use crate::real::Real;
 use crate::scene::Scene;
@@ -102,6 +102,11 @@ fn rub<T: Real, const D: usize>(tangential: &Vector<T, D>, normal_speed: T, fric
 }
 
 /// Stage 4: obstacles act on the velocity of grid nodes.
+///
+/// The energy booked is what the contact takes from the material: the change of the node's kinetic energy from v^n to v^{n+1}, less the
+/// work of its forces. Those have changed the elastic energy through v^{n+1}, so their work is I . v^{n+1}, I = m (v* - v^n) their impulse. A
+/// floor that merely bears a load then loses nothing, for v^n = v^{n+1} = 0 there; and a node that the transfer sets in motion towards the floor
+/// at every step, however short, leaves no work unbooked.
 pub(crate) fn collide_grid<T: Real, const D: usize>(
     scene: &Scene<T, D>,
     grid: &mut Grid<T, D>,
@@ -109,28 +114,36 @@ pub(crate) fn collide_grid<T: Real, const D: usize>(
     empty: T,
     ledger: &mut StepLedger<D>,
 ) {
-    for (number, collider) in scene.colliders.iter().enumerate() {
-        if collider.contact == Contact::Mirror {
+    let obstacles = || scene.colliders.iter().enumerate().filter(|(_, c)| c.contact != Contact::Mirror);
+    if obstacles().next().is_none() {
+        return;
+    }
+    for index in 0..grid.node_count() {
+        let mass = grid.sums[index].mass;
+        if mass <= empty {
             continue;
         }
-        for index in 0..grid.node_count() {
-            let mass = grid.sums[index].mass;
-            if mass <= empty {
+        let x = grid.position(index);
+        let motion = &mut grid.motion[index];
+        let by_forces = motion.change;
+        let mut touched = false;
+        for (number, collider) in obstacles() {
+            let Some(velocity) = collider.respond(&x, &motion.velocity, time) else { continue };
+            let change = velocity - motion.velocity;
+            if is_zero(&change) {
                 continue;
             }
-            let x = grid.position(index);
-            let motion = &mut grid.motion[index];
-            if let Some(velocity) = collider.respond(&x, &motion.velocity, time) {
-                let change = velocity - motion.velocity;
-                if !is_zero(&change) {
-                    // The energy of an impulse J over a step from v^n to v^{n+1} is J . (v^n + v^{n+1}) / 2: a floor that
-                    // merely bears a load then loses nothing, for v^n = v^{n+1} = 0 there.
-                    let start = motion.velocity - motion.change;
-                    ledger.push(number, &(change * mass), &start, &velocity);
-                    motion.velocity = velocity;
-                    motion.change += change;
-                }
+            let momentum = change * mass;
+            let mut energy = impulse_energy(&momentum, &motion.velocity, &velocity)
+                - impulse_energy(&momentum, &by_forces, &by_forces);
+            if !touched {
+                let impulse = by_forces * mass;
+                energy -= impulse_energy(&impulse, &by_forces, &Vector::zeros());
+                touched = true;
             }
+            ledger.push(number, &momentum, energy);
+            motion.velocity = velocity;
+            motion.change += change;
         }
     }
 }
@@ -163,7 +176,8 @@ pub(crate) fn collide_particles<T: Real, const D: usize>(
             }
             if let Some(velocity) = collider.respond(&target, &next.velocity[p], arrival) {
                 let change = velocity - next.velocity[p];
-                ledger.push(number, &(change * constants.mass[p]), &next.velocity[p], &velocity);
+                let momentum = change * constants.mass[p];
+                ledger.push(number, &momentum, impulse_energy(&momentum, &next.velocity[p], &velocity));
                 next.velocity[p] = velocity;
             }
             if let Some(velocity) = collider.respond(&target, &advecting[p], arrival) {

@@ -39,6 +39,16 @@ pub struct StepLedger<const D: usize> {
     pub damping: f64,
 }
 
+/// The energy of an impulse that takes material from velocity `before` to `after` [J]: momentum . (before + after) / 2.
+#[inline]
+pub(crate) fn impulse_energy<T: Real, const D: usize>(
+    momentum: &Vector<T, D>,
+    before: &Vector<T, D>,
+    after: &Vector<T, D>,
+) -> f64 {
+    (0..D).map(|k| 0.5 * momentum[k].as_f64() * (before[k].as_f64() + after[k].as_f64())).sum()
+}
+
 /// Sums over a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ledger<const D: usize> {
@@ -83,21 +93,12 @@ impl<const D: usize> StepLedger<D> {
         }
     }
 
-    /// Books a contact: material that began the step with velocity `before` gained `momentum` and ends with `after`.
+    /// Books a contact that gave the material `momentum` [kg m/s] and `energy` [J].
     #[inline]
-    pub(crate) fn push<T: Real>(
-        &mut self,
-        collider: usize,
-        momentum: &Vector<T, D>,
-        before: &Vector<T, D>,
-        after: &Vector<T, D>,
-    ) {
+    pub(crate) fn push<T: Real>(&mut self, collider: usize, momentum: &Vector<T, D>, energy: f64) {
         let entry = &mut self.colliders[collider];
-        let mut energy = 0.0;
         for k in 0..D {
-            let gained = momentum[k].as_f64();
-            entry.impulse[k] -= gained;
-            energy += 0.5 * gained * (before[k].as_f64() + after[k].as_f64());
+            entry.impulse[k] -= momentum[k].as_f64();
         }
         entry.loss -= energy;
     }

@@ -6,7 +6,7 @@ use crate::collision::{Contact, MirrorPlane};
 use crate::error::SceneError;
 use crate::geometry::{Vector, unit};
 use crate::grid::{Grid, NodeMotion, NodeSums};
-use crate::ledger::StepLedger;
+use crate::ledger::{StepLedger, impulse_energy};
 use crate::real::Real;
 use crate::scene::Scene;
 
@@ -107,8 +107,9 @@ pub(crate) fn unfold<T: Real, const D: usize>(
             let pushed = unit::<T, D>(axis) * motion.velocity[axis];
             motion.velocity -= pushed;
             motion.change[axis] = T::zero();
-            ledger.push(fold.collider, &(-pushed * fold.own_inner.mass), &pushed, &still);
-            ledger.push(fold.collider, &gain(&fold.own_inner, motion, axis), &still, &still);
+            let taken = -pushed * fold.own_inner.mass;
+            ledger.push(fold.collider, &taken, impulse_energy(&taken, &pushed, &still));
+            ledger.push(fold.collider, &gain(&fold.own_inner, motion, axis), 0.0);
         } else {
             let inner = grid.motion[fold.inner];
             let outer = &mut grid.motion[fold.outer];
@@ -117,7 +118,7 @@ pub(crate) fn unfold<T: Real, const D: usize>(
             // All that shares the inner node gains nothing together beyond its internal forces and gravity (and what other obstacles
             // book): what the image of the outer part gains, the rest loses. Seen from outside both gain the same.
             let outside = gain(&fold.own_outer, outer, axis);
-            ledger.push(fold.collider, &(outside + outside), &still, &still);
+            ledger.push(fold.collider, &(outside + outside), 0.0);
         }
         grid.sums[fold.inner] = fold.own_inner;
         grid.sums[fold.outer] = fold.own_outer;

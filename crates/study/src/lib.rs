@@ -26,3 +26,4 @@ pub mod store;
 pub mod sweep;
 pub mod table;
 pub mod tables;
+pub mod verify;

@@ -80,6 +80,11 @@ impl Row {
             _ => None,
         }
     }
+
+    /// The entries, in order.
+    pub fn entries(&self) -> impl Iterator<Item = (&Definition, &Cell)> {
+        self.entries.iter().map(|(definition, cell)| (definition, cell))
+    }
 }
 
 /// A table: rows of the same columns.

@@ -51,7 +51,7 @@ pub trait ConstitutiveModel<T: Real, const D: usize> {
     /// The Lame parameters at stiffness 1.
     fn lame(&self) -> Lame<T>;
 
-    /// The factor e^(xi (1 - J_P)) on the Lame parameters (S13 equation 3).
+    /// The factor e^(xi (1 - J_P)) on the Lame parameters (S13 section 5).
     fn hardening(&self, plastic_ratio: T) -> T;
 
     /// The return map: `None` where the trial deformation does not yield.
@@ -60,7 +60,7 @@ pub trait ConstitutiveModel<T: Real, const D: usize> {
     /// An upper bound of the elastic modulus that carries waves through a particle deformed by `f` [Pa], stiffness 1.
     fn wave_modulus(&self, f: &Matrix<T, D>) -> T;
 
-    /// Psi = mu |F - R|^2 + (lambda / 2)(J - 1)^2 [J/m^D] (Stomakhin et al. 2012; S13 equation 1).
+    /// Psi = mu |F - R|^2 + (lambda / 2)(J - 1)^2 [J/m^D] (Stomakhin et al. 2012; S13 section 5).
     fn energy_density(&self, f: &Matrix<T, D>, stiffness: T) -> T {
         let Lame { mu, lambda } = self.lame();
         let j = determinant(f) - T::one();

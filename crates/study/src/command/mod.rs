@@ -5,6 +5,7 @@ mod progress;
 mod sample;
 mod simulate;
 mod study;
+mod verify;
 
 use std::path::PathBuf;
 
@@ -56,6 +57,8 @@ pub enum Command {
         #[arg(short, long)]
         output: PathBuf,
     },
+    /// Carry out experiments with known answers: what the solver has been shown to do
+    Verify(verify::VerifyArguments),
     /// Count the fragments of a file of points by friends-of-friends
     Fragments {
         /// Points: CSV or PLY with columns x, y[, z]
@@ -104,6 +107,7 @@ impl Command {
             Command::Check(study) => study::check(&study),
             Command::Simulate { scene, out } => simulate::simulate(&scene, &out),
             Command::Sample { scene, output } => sample::sample(&scene, &output),
+            Command::Verify(arguments) => verify::verify(&arguments),
             Command::Fragments { file, link, min_mass_share, json } => {
                 fragments::fragments(&file, link, min_mass_share, json)
             }

@@ -1,0 +1,269 @@
+//! Where the energy of an impact goes, each term measured on its own.
+
+use rayon::prelude::*;
+use snowlab_sampler::{Purpose, Streams, rng};
+use snowlab_solver::collision::{Collider, Contact};
+use snowlab_solver::diagnostics::energies;
+use snowlab_solver::geometry::Vector;
+use snowlab_solver::{FlipShare, KernelKind, Scene, Simulation, State, Transfer};
+
+use super::evidence::{Check, Effort, Evidence, EvidenceFigure};
+use super::scenes::{TRANSFERS, fixed_step, lattice, observed_order, scene, snow, transfer_name, wall};
+use crate::figure::Drawing;
+use crate::figure::axis::Scale;
+use crate::figure::curves::{Curve, Curves, Quantity, Spread, curves};
+use crate::figure::energy::{Energy, EnergyCase, energy};
+use crate::table::{Row, Table};
+
+/// Grid spacing [m].
+const SPACING: f64 = 0.0125;
+/// How long the impact is watched [s]: a wave crosses the block three times.
+const TIME: f64 = 0.012;
+/// Parts of the stacked figure.
+const PARTS: [&str; 5] = ["kinetic", "elastic", "plastic flow", "contact and friction", "transfers"];
+
+/// Energies and losses at one time [J/m].
+#[derive(Clone, Copy, Debug)]
+struct Books {
+    time: f64,
+    kinetic: f64,
+    elastic: f64,
+    potential: f64,
+    plastic: f64,
+    contact: f64,
+    wall_work: f64,
+    particles_to_grid: f64,
+    grid_to_particles: f64,
+}
+
+impl Books {
+    fn of(scene: &Scene<f64, 2>, state: &State<f64, 2>) -> Self {
+        let (energies, ledger) = (energies(scene, state), &state.ledger);
+        Books {
+            time: state.time,
+            kinetic: energies.kinetic,
+            elastic: energies.elastic,
+            potential: energies.potential,
+            plastic: ledger.plastic_loss,
+            contact: ledger.colliders.iter().map(|collider| collider.loss).sum(),
+            wall_work: ledger.collider_work(),
+            particles_to_grid: ledger.particles_to_grid_loss,
+            grid_to_particles: ledger.grid_to_particles_loss,
+        }
+    }
+
+    /// What is there and what was booked as lost, less what the wall put in.
+    fn sum(&self) -> f64 {
+        self.kinetic + self.elastic + self.potential + self.plastic + self.contact - self.wall_work
+            + self.particles_to_grid
+            + self.grid_to_particles
+    }
+}
+
+/// A block of snow, jittered, that hits a rough floor at 8 m/s while a wall comes towards it at 2 m/s, under gravity: every
+/// term of the budget has its share.
+fn impact(transfer: Transfer, dt: f64) -> anyhow::Result<Simulation<f64, 2>> {
+    // FLIP's share as a rate: a share per step would damp the more, the shorter the step.
+    let transfer = match transfer {
+        Transfer::Flip(_) => Transfer::Flip(FlipShare::Rate { share: 0.95, reference_step: 1e-5 }),
+        other => other,
+    };
+    let mut scene = scene::<f64, 2>(SPACING, KernelKind::Cubic, transfer, snow());
+    scene.time_step = fixed_step(dt);
+    scene.gravity[1] = -9.81;
+    scene.colliders = vec![
+        Collider { friction: 0.4, ..wall(1, 1.0, 0.0, Contact::Separate) },
+        Collider {
+            friction: 0.1,
+            velocity: Vector::<f64, 2>::new(-2.0, 0.0),
+            ..wall(0, -1.0, 10.0 * SPACING, Contact::Separate)
+        },
+    ];
+    let mut stream = Streams::new(95).stream(Purpose::Perturbation);
+    let mut particles = lattice::<2>(SPACING, [8, 8], 2);
+    for particle in &mut particles {
+        let jitter = rng::uniform_vector::<2>(&mut stream).add_scalar(-0.5) * (0.4 * SPACING);
+        particle.position += jitter + Vector::<f64, 2>::new(0.0, SPACING);
+        particle.velocity = Vector::<f64, 2>::new(3.0, -8.0);
+    }
+    let state = State::at_rest(&scene, Vector::zeros(), &particles)?;
+    Ok(Simulation::new(scene, state)?)
+}
+
+struct Run {
+    transfer: Transfer,
+    dt: f64,
+    /// At the start, and at equal intervals to the end.
+    books: Vec<Books>,
+}
+
+impl Run {
+    fn new(transfer: Transfer, dt: f64) -> anyhow::Result<Self> {
+        let mut simulation = impact(transfer, dt)?;
+        let mut books = vec![Books::of(simulation.scene(), simulation.state())];
+        for frame in 1..=48 {
+            simulation.advance_to(TIME * f64::from(frame) / 48.0)?;
+            books.push(Books::of(simulation.scene(), simulation.state()));
+        }
+        Ok(Run { transfer, dt, books })
+    }
+
+    /// What is left of the budget over the energy at the start.
+    fn residual(&self) -> f64 {
+        let (first, last) = (&self.books[0], &self.books[self.books.len() - 1]);
+        (last.sum() - first.sum()) / first.kinetic
+    }
+}
+
+/// Carries it out.
+pub fn run(effort: Effort) -> anyhow::Result<Evidence> {
+    let steps: &[f64] = effort.choose(&[4e-5, 2e-5, 1e-5], &[4e-5, 2e-5, 1e-5, 5e-6, 2.5e-6, 1.25e-6]);
+    let cases: Vec<_> = TRANSFERS.iter().flat_map(|t| steps.iter().map(|dt| (*t, *dt))).collect();
+    let runs = cases.into_par_iter().map(|(t, dt)| Run::new(t, dt)).collect::<anyhow::Result<Vec<_>>>()?;
+    let by_transfer: Vec<&[Run]> = runs.chunks(steps.len()).collect();
+    Ok(Evidence {
+        tables: vec![table(&runs)],
+        figures: vec![
+            EvidenceFigure {
+                name: "energy-budget",
+                caption: "Where the energy of the impact goes, at the shortest step.",
+                drawing: stack(&by_transfer)?,
+            },
+            EvidenceFigure {
+                name: "energy-residual",
+                caption: "What is left of the budget against the step: it falls in proportion.",
+                drawing: residuals(&by_transfer)?,
+            },
+        ],
+        checks: by_transfer.iter().flat_map(|runs| checks(runs)).collect(),
+    })
+}
+
+fn checks(runs: &[Run]) -> [Check; 2] {
+    let name = transfer_name(runs[0].transfer);
+    let last = &runs[runs.len() - 1];
+    let points: Vec<_> = runs.iter().map(|run| (run.dt, run.residual().abs())).collect();
+    [
+        Check {
+            quantity: format!("residual over the initial energy at dt = {:.2e} s, {name}", last.dt),
+            measured: last.residual(),
+            theory: "0, as dt tends to 0".into(),
+            // 3000 s^-1 dt, as the residuals of all steps show.
+            allowed: [-3e3 * last.dt, 3e3 * last.dt],
+            source: "conservation of energy; the integrator's error is first order",
+        },
+        Check {
+            quantity: format!("order of the residual in dt, {name}"),
+            measured: observed_order(&points[points.len() - 3..]),
+            theory: "1".into(),
+            allowed: [0.6, 1.4],
+            source: "symplectic Euler is first order in energy",
+        },
+    ]
+}
+
+fn table(runs: &[Run]) -> Table {
+    let row = |run: &Run| {
+        let (first, last) = (&run.books[0], &run.books[run.books.len() - 1]);
+        let mut row = Row::default();
+        row.put("transfer", "-", "velocity transfer", transfer_name(run.transfer))
+            .number("dt", "s", "fixed step", run.dt)
+            .number("start", "J/m", "kinetic energy at the start", first.kinetic)
+            .number(
+                "kinetic",
+                "J/m",
+                "kinetic energy at the end, the affine part of apic and mls included",
+                last.kinetic,
+            )
+            .number("elastic", "J/m", "elastic energy at the end", last.elastic)
+            .number("gravity", "J/m", "work of gravity", first.potential - last.potential)
+            .number("wall_work", "J/m", "work of the moving wall, from its impulse", last.wall_work)
+            .number(
+                "plastic",
+                "J/m",
+                "lost to plastic flow: Psi(trial, old J_P) - Psi(new, new J_P)",
+                last.plastic,
+            )
+            .number("contact", "J/m", "lost in contact and friction, from the impulses", last.contact)
+            .number(
+                "particles_to_grid",
+                "J/m",
+                "kinetic energy lost from particles to grid",
+                last.particles_to_grid,
+            )
+            .number(
+                "grid_to_particles",
+                "J/m",
+                "kinetic energy lost from grid to particles",
+                last.grid_to_particles,
+            )
+            .number("residual", "-", "what is left, over the kinetic energy at the start", run.residual());
+        row
+    };
+    Table { name: "energy-budget", rows: runs.iter().map(row).collect() }
+}
+
+fn stack(by_transfer: &[&[Run]]) -> anyhow::Result<Drawing> {
+    let finest: Vec<&Run> = by_transfer.iter().filter_map(|runs| runs.last()).collect();
+    let of = |run: &Run, value: &dyn Fn(&Books) -> f64| run.books.iter().map(value).collect::<Vec<f64>>();
+    let columns: Vec<[Vec<f64>; 6]> = finest
+        .iter()
+        .map(|run| {
+            [
+                of(run, &|b| 1e3 * b.time),
+                of(run, &|b| b.kinetic),
+                of(run, &|b| b.elastic),
+                of(run, &|b| b.plastic),
+                of(run, &|b| b.contact),
+                of(run, &|b| b.particles_to_grid + b.grid_to_particles),
+            ]
+        })
+        .collect();
+    let parts: Vec<Vec<&[f64]>> =
+        columns.iter().map(|c| c[1..].iter().map(Vec::as_slice).collect()).collect();
+    let cases: Vec<EnergyCase> = finest
+        .iter()
+        .zip(&columns)
+        .zip(&parts)
+        .map(|((run, columns), parts)| EnergyCase {
+            arm: transfer_name(run.transfer),
+            time: &columns[0],
+            parts,
+        })
+        .collect();
+    Ok(energy(&Energy {
+        title: "",
+        x_label: "time [ms]",
+        y_label: "energy [J/m]",
+        parts: &PARTS,
+        cases: &cases,
+        note: "Gravity and the moving wall add energy; all else was kinetic energy at the start.",
+    })?)
+}
+
+fn residuals(by_transfer: &[&[Run]]) -> anyhow::Result<Drawing> {
+    let columns: Vec<(Vec<f64>, Vec<f64>)> = by_transfer
+        .iter()
+        .map(|runs| runs.iter().rev().map(|run| (1e6 * run.dt, run.residual().abs())).unzip())
+        .collect();
+    let lines: Vec<Curve> = by_transfer
+        .iter()
+        .zip(&columns)
+        .map(|(runs, (x, y))| Curve { arm: transfer_name(runs[0].transfer), x, middle: y, low: y, high: y })
+        .collect();
+    Ok(curves(&Curves {
+        title: "",
+        x_label: "dt [us]",
+        x_scale: Scale::Logarithmic,
+        mark: None,
+        spread: Spread::Bars,
+        note: "Size of the residual over the kinetic energy at the start.",
+        quantities: &[Quantity {
+            label: "residual",
+            scale: Scale::Logarithmic,
+            hold: &[],
+            level: None,
+            curves: &lines,
+        }],
+    })?)
+}
