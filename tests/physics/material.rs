@@ -6,7 +6,7 @@ use snowlab_solver::material::{ConstitutiveModel, PlasticFlow};
 use snowlab_solver::math::{determinant, signed_svd};
 use snowlab_solver::{Elastic, Lame, Real, Snow};
 
-use crate::support::{Random, assert_near, elastic, largest, snow};
+use crate::support::{Random, YOUNG, assert_near, elastic, largest, snow};
 
 /// F, tau_yy, tau_xx [Pa], J_P, hardening: E = 1.4e5 Pa, nu = 0.2, defaults else.
 const POINTS: [(f64, f64, f64, f64, f64); 6] = [
@@ -207,12 +207,21 @@ fn check_return_map<T: Real, const D: usize>(tolerance: f64) {
         let before = T::of(random.between(0.4, 1.6));
         let s = signed_svd(&trial).stretches;
         let within = s.iter().all(|s| (0.975..=1.0075).contains(&s.as_f64()));
-        let Some(PlasticFlow { deformation, plastic_ratio, clamped }) = snow.flow(&trial, before) else {
+        let Some(flow) = snow.flow(&trial, before) else {
             // Only at the limit itself may round-off decide otherwise.
             let near = s.iter().all(|s| (0.975 - tolerance..=1.0075 + tolerance).contains(&s.as_f64()));
             assert!(near, "stretches {s} must flow");
             continue;
         };
+        let PlasticFlow { deformation, plastic_ratio, clamped, trial_energy, energy } = flow;
+        let one = T::one();
+        for (f, from_stretches) in [(&trial, trial_energy), (&deformation, energy)] {
+            let whole = ConstitutiveModel::<T, D>::energy_density(&snow, f, one).as_f64();
+            let off = (from_stretches.as_f64() - whole).abs();
+            // dPsi = P : dF, and |P| is about sqrt(E Psi).
+            let bound = tolerance * (YOUNG * (whole + YOUNG * tolerance * tolerance)).sqrt();
+            assert!(off <= bound, "energy {from_stretches} of {f}, {whole}");
+        }
         flows += 1;
         assert!(!within, "stretches {s} must not flow");
         assert!(!clamped);

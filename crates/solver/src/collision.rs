@@ -50,7 +50,11 @@ impl<T: Real, const D: usize> Collider<T, D> {
     /// `None` where there is no contact.
     #[inline]
     pub fn respond(&self, x: &Vector<T, D>, v: &Vector<T, D>, time: f64) -> Option<Vector<T, D>> {
-        let surface = self.shape.surface(&(x - self.velocity * T::of(time)));
+        let place = x - self.velocity * T::of(time);
+        if self.shape.is_far_from(&place) {
+            return None;
+        }
+        let surface = self.shape.surface(&place);
         if surface.distance > T::zero() {
             return None;
         }
@@ -171,7 +175,8 @@ pub(crate) fn collide_particles<T: Real, const D: usize>(
     for (number, collider) in scene.colliders.iter().enumerate() {
         for p in 0..position.len() {
             let target = position[p] + advecting[p] * dt;
-            if collider.shape.surface(&(target - collider.velocity * T::of(arrival))).distance > T::zero() {
+            let place = target - collider.velocity * T::of(arrival);
+            if collider.shape.is_far_from(&place) || collider.shape.surface(&place).distance > T::zero() {
                 continue;
             }
             if let Some(velocity) = collider.respond(&target, &next.velocity[p], arrival) {

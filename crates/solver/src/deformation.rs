@@ -57,8 +57,7 @@ pub(crate) fn update_deformation<T: Real, const D: usize>(
                 next.deformation[p] = flow.deformation;
                 next.plastic_ratio[p] = flow.plastic_ratio;
                 next.stiffness[p] = hardened;
-                let released = material.energy_density(&trial, stiffness)
-                    - material.energy_density(&flow.deformation, hardened);
+                let released = flow.trial_energy * stiffness - flow.energy * hardened;
                 ledger.plastic_loss += (released * constants.volume[p]).as_f64();
                 if flow.clamped {
                     ledger.clamps += 1;

@@ -56,6 +56,17 @@ pub struct Surface<T: Real, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Shape<T, D> {
+    /// A quick answer for most points: whether `x` [m] lies outside a ball round the whole solid. `false` decides nothing.
+    #[inline]
+    pub(crate) fn is_far_from(&self, x: &Vector<T, D>) -> bool {
+        match self {
+            Shape::Box { centre, half_extent, .. } => {
+                (x - centre).norm_squared() > half_extent.norm_squared()
+            }
+            Shape::HalfSpace { .. } | Shape::Ball { .. } => false,
+        }
+    }
+
     /// Signed distance and normal at `x` [m].
     #[inline]
     pub fn surface(&self, x: &Vector<T, D>) -> Surface<T, D> {

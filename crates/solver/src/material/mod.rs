@@ -7,7 +7,7 @@ mod snow;
 pub use elastic::Elastic;
 pub use snow::Snow;
 
-use crate::geometry::Matrix;
+use crate::geometry::{Matrix, Vector};
 use crate::math::{cofactor, determinant, norm_squared, polar_rotation};
 use crate::real::Real;
 
@@ -29,6 +29,17 @@ impl<T: Real> Lame<T> {
         }
     }
 
+    /// Psi from the principal stretches: mu sum (s_i - 1)^2 + (lambda / 2)(prod s_i - 1)^2 [J/m^D].
+    pub fn energy_of_stretches<const D: usize>(&self, stretches: &Vector<T, D>) -> T {
+        let (mut squares, mut volume) = (T::zero(), T::one());
+        for s in stretches.iter() {
+            squares += (*s - T::one()) * (*s - T::one());
+            volume *= *s;
+        }
+        let j = volume - T::one();
+        self.mu * squares + self.lambda * T::of(0.5) * j * j
+    }
+
     /// 2 mu + D lambda: the largest eigenvalue of d2Psi/dF2 at F = I [Pa]; it bounds the speed of waves.
     pub fn wave_modulus<const D: usize>(&self) -> T {
         self.mu + self.mu + self.lambda * T::of(D as f64)
@@ -44,6 +55,10 @@ pub struct PlasticFlow<T: Real, const D: usize> {
     pub plastic_ratio: T,
     /// Whether a bound on J_P took effect.
     pub clamped: bool,
+    /// Energy density of the trial state at stiffness 1 [J/m^D].
+    pub trial_energy: T,
+    /// Energy density on the yield surface at stiffness 1 [J/m^D].
+    pub energy: T,
 }
 
 /// The contract of a material, for one particle. `stiffness` is the factor on both Lame parameters.

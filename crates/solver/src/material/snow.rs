@@ -55,6 +55,7 @@ impl<T: Real, const D: usize> ConstitutiveModel<T, D> for Snow<T> {
             return None;
         }
         let mut svd = signed_svd(trial);
+        let trial_energy = self.lame.energy_of_stretches(&svd.stretches);
         let mut ratio = plastic_ratio;
         for s in svd.stretches.iter_mut() {
             let clamped = s.max(least).min(greatest);
@@ -63,7 +64,13 @@ impl<T: Real, const D: usize> ConstitutiveModel<T, D> for Snow<T> {
         }
         let (lower, upper) = self.plastic_ratio_bounds;
         let bounded = ratio.max(lower).min(upper);
-        Some(PlasticFlow { deformation: svd.recompose(), plastic_ratio: bounded, clamped: bounded != ratio })
+        Some(PlasticFlow {
+            deformation: svd.recompose(),
+            plastic_ratio: bounded,
+            clamped: bounded != ratio,
+            trial_energy,
+            energy: self.lame.energy_of_stretches(&svd.stretches),
+        })
     }
 
     /// A yield surface within 1 % (`COVERED_STRETCH`) is left to the default safety factor; a wider one lets snow stretch as an elastic

@@ -61,7 +61,6 @@ pub fn fixed_step(dt: f64) -> TimeStepControl {
     TimeStepControl { length: StepLength::Fixed(dt), watchdog_interval: 0, ..TimeStepControl::default() }
 }
 
-
 /// A particle of snow at rest.
 pub fn particle<const D: usize>(position: Vector<f64, D>, volume: f64) -> InitialParticle<D> {
     InitialParticle {
