@@ -8,7 +8,7 @@ use snowlab_solver::geometry::Vector;
 use snowlab_solver::{FlipShare, KernelKind, Scene, Simulation, State, Transfer};
 
 use super::evidence::{Check, Effort, Evidence, EvidenceFigure};
-use super::scenes::{TRANSFERS, fixed_step, lattice, observed_order, scene, snow, transfer_name, wall};
+use super::scenes::{TRANSFERS, elastic, fixed_step, lattice, observed_order, scene, snow, transfer_name, wall};
 use crate::figure::Drawing;
 use crate::figure::axis::Scale;
 use crate::figure::curves::{Curve, Curves, Quantity, Spread, curves};
@@ -17,8 +17,10 @@ use crate::table::{Row, Table};
 
 /// Grid spacing [m].
 const SPACING: f64 = 0.0125;
-/// How long the impact is watched [s]: a wave crosses the block three times.
-const TIME: f64 = 0.012;
+/// How long the impact is watched [s]: a wave crosses the block twice.
+const IMPACT: f64 = 0.012;
+/// How long the bounce is watched [s]: the block has left the floor.
+const BOUNCE: f64 = 0.04;
 /// Parts of the stacked figure.
 const PARTS: [&str; 5] = ["kinetic", "elastic", "plastic flow", "contact and friction", "transfers"];
 
@@ -63,12 +65,7 @@ impl Books {
 /// A block of snow, jittered, that hits a rough floor at 8 m/s while a wall comes towards it at 2 m/s, under gravity: every
 /// term of the budget has its share.
 fn impact(transfer: Transfer, dt: f64) -> anyhow::Result<Simulation<f64, 2>> {
-    // FLIP's share as a rate: a share per step would damp the more, the shorter the step.
-    let transfer = match transfer {
-        Transfer::Flip(_) => Transfer::Flip(FlipShare::Rate { share: 0.95, reference_step: 1e-5 }),
-        other => other,
-    };
-    let mut scene = scene::<f64, 2>(SPACING, KernelKind::Cubic, transfer, snow());
+    let mut scene = scene::<f64, 2>(SPACING, KernelKind::Cubic, rate_form(transfer), snow());
     scene.time_step = fixed_step(dt);
     scene.gravity[1] = -9.81;
     scene.colliders = vec![
@@ -90,7 +87,47 @@ fn impact(transfer: Transfer, dt: f64) -> anyhow::Result<Simulation<f64, 2>> {
     Ok(Simulation::new(scene, state)?)
 }
 
+/// A block of elastic material that hits a smooth floor at 2 m/s and leaves it again: the integrator's error alone, without the kinks of
+/// plastic flow and friction.
+fn bounce(transfer: Transfer, dt: f64) -> anyhow::Result<Simulation<f64, 2>> {
+    let mut scene = scene::<f64, 2>(SPACING, KernelKind::Cubic, rate_form(transfer), elastic());
+    scene.time_step = fixed_step(dt);
+    scene.colliders = vec![wall(1, 1.0, 0.0, Contact::Separate)];
+    let mut particles = lattice::<2>(SPACING, [8, 8], 2);
+    for particle in &mut particles {
+        particle.position[1] += SPACING;
+        particle.velocity[1] = -2.0;
+    }
+    let state = State::at_rest(&scene, Vector::zeros(), &particles)?;
+    Ok(Simulation::new(scene, state)?)
+}
+
+/// FLIP's share as a rate: a share per step would damp the more, the shorter the step.
+fn rate_form(transfer: Transfer) -> Transfer {
+    match transfer {
+        Transfer::Flip(_) => Transfer::Flip(FlipShare::Rate { share: 0.95, reference_step: 1e-5 }),
+        other => other,
+    }
+}
+
+/// What is run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Event {
+    Bounce,
+    Impact,
+}
+
+impl Event {
+    fn name(self) -> &'static str {
+        match self {
+            Event::Bounce => "bounce",
+            Event::Impact => "impact",
+        }
+    }
+}
+
 struct Run {
+    event: Event,
     transfer: Transfer,
     dt: f64,
     /// At the start, and at equal intervals to the end.
@@ -98,14 +135,17 @@ struct Run {
 }
 
 impl Run {
-    fn new(transfer: Transfer, dt: f64) -> anyhow::Result<Self> {
-        let mut simulation = impact(transfer, dt)?;
+    fn new(event: Event, transfer: Transfer, dt: f64) -> anyhow::Result<Self> {
+        let (mut simulation, time) = match event {
+            Event::Bounce => (bounce(transfer, dt)?, BOUNCE),
+            Event::Impact => (impact(transfer, dt)?, IMPACT),
+        };
         let mut books = vec![Books::of(simulation.scene(), simulation.state())];
         for frame in 1..=48 {
-            simulation.advance_to(TIME * f64::from(frame) / 48.0)?;
+            simulation.advance_to(time * f64::from(frame) / 48.0)?;
             books.push(Books::of(simulation.scene(), simulation.state()));
         }
-        Ok(Run { transfer, dt, books })
+        Ok(Run { event, transfer, dt, books })
     }
 
     /// What is left of the budget over the energy at the start.
@@ -117,56 +157,72 @@ impl Run {
 
 /// Carries it out.
 pub fn run(effort: Effort) -> anyhow::Result<Evidence> {
-    let steps: &[f64] = effort.choose(&[4e-5, 2e-5, 1e-5], &[4e-5, 2e-5, 1e-5, 5e-6, 2.5e-6, 1.25e-6]);
-    let cases: Vec<_> = TRANSFERS.iter().flat_map(|t| steps.iter().map(|dt| (*t, *dt))).collect();
-    let runs = cases.into_par_iter().map(|(t, dt)| Run::new(t, dt)).collect::<anyhow::Result<Vec<_>>>()?;
-    let by_transfer: Vec<&[Run]> = runs.chunks(steps.len()).collect();
+    let steps: &[f64] = effort.choose(&[2e-5, 1e-5, 5e-6], &[4e-5, 2e-5, 1e-5, 5e-6, 2.5e-6, 1.25e-6]);
+    let cases: Vec<_> = [Event::Bounce, Event::Impact]
+        .into_iter()
+        .flat_map(|event| TRANSFERS.into_iter().map(move |transfer| (event, transfer)))
+        .flat_map(|(event, transfer)| steps.iter().map(move |dt| (event, transfer, *dt)))
+        .collect();
+    let runs = cases
+        .into_par_iter()
+        .map(|(event, transfer, dt)| Run::new(event, transfer, dt))
+        .collect::<anyhow::Result<Vec<_>>>()?;
+    let series: Vec<&[Run]> = runs.chunks(steps.len()).collect();
+    let (bounces, impacts) = series.split_at(TRANSFERS.len());
     Ok(Evidence {
         tables: vec![table(&runs)],
         figures: vec![
             EvidenceFigure {
                 name: "energy-budget",
                 caption: "Where the energy of the impact goes, at the shortest step.",
-                drawing: stack(&by_transfer)?,
+                drawing: stack(impacts)?,
             },
             EvidenceFigure {
                 name: "energy-residual",
-                caption: "What is left of the budget against the step: it falls in proportion.",
-                drawing: residuals(&by_transfer)?,
+                caption: "What is left of the bounce's budget against the step: it falls in proportion.",
+                drawing: residuals(bounces)?,
             },
         ],
-        checks: by_transfer.iter().flat_map(|runs| checks(runs)).collect(),
+        checks: bounces.iter().map(|runs| order(runs)).chain(impacts.iter().map(|runs| last(runs))).collect(),
     })
 }
 
-fn checks(runs: &[Run]) -> [Check; 2] {
-    let name = transfer_name(runs[0].transfer);
-    let last = &runs[runs.len() - 1];
+/// The order at which the residual of the bounce falls, from the three shortest steps.
+fn order(runs: &[Run]) -> Check {
     let points: Vec<_> = runs.iter().map(|run| (run.dt, run.residual().abs())).collect();
-    [
-        Check {
-            quantity: format!("residual over the initial energy at dt = {:.2e} s, {name}", last.dt),
-            measured: last.residual(),
-            theory: "0, as dt tends to 0".into(),
-            // 3000 s^-1 dt, as the residuals of all steps show.
-            allowed: [-3e3 * last.dt, 3e3 * last.dt],
-            source: "conservation of energy; the integrator's error is first order",
-        },
-        Check {
-            quantity: format!("order of the residual in dt, {name}"),
-            measured: observed_order(&points[points.len() - 3..]),
-            theory: "1".into(),
-            allowed: [0.6, 1.4],
-            source: "symplectic Euler is first order in energy",
-        },
-    ]
+    Check {
+        quantity: format!("order of the bounce's residual in dt, {}", transfer_name(runs[0].transfer)),
+        measured: observed_order(&points[points.len() - 3..]),
+        theory: "1".into(),
+        allowed: [0.7, 1.3],
+        source: "symplectic Euler is first order in energy",
+    }
+}
+
+/// The residual of the impact at the shortest step. Between the kinks of yield and contact it changes its sign, so that no order can be read
+/// off; it stays below 2000 / s of the step all the same.
+fn last(runs: &[Run]) -> Check {
+    let shortest = &runs[runs.len() - 1];
+    let bound = 2e3 * shortest.dt + 2e-3;
+    Check {
+        quantity: format!(
+            "residual of the impact at dt = {:.2e} s, {}",
+            shortest.dt,
+            transfer_name(shortest.transfer)
+        ),
+        measured: shortest.residual(),
+        theory: "0 as dt tends to 0".into(),
+        allowed: [-bound, bound],
+        source: "conservation of energy; chosen: 0.2 % and 2000 / s of the step",
+    }
 }
 
 fn table(runs: &[Run]) -> Table {
     let row = |run: &Run| {
         let (first, last) = (&run.books[0], &run.books[run.books.len() - 1]);
         let mut row = Row::default();
-        row.put("transfer", "-", "velocity transfer", transfer_name(run.transfer))
+        row.put("event", "-", "elastic bounce or impact of snow", run.event.name())
+            .put("transfer", "-", "velocity transfer", transfer_name(run.transfer))
             .number("dt", "s", "fixed step", run.dt)
             .number("start", "J/m", "kinetic energy at the start", first.kinetic)
             .number(
