@@ -342,13 +342,13 @@ impl Layout {
 }
 
 /// How far down a row must reach to show the obstacles under its particles, the lowest of which lie at `lowest` [m]: to the top of
-/// a floor; to the half of what stands free, such as a wedge.
+/// a floor; to the foot of what stands free, such as a wedge.
 fn below(figure: &Snowballs<'_>, row: usize, [left, right]: [f64; 2], lowest: f64) -> f64 {
     let outlines = figure.balls.iter().flat_map(|ball| [ball.before, ball.after][row].obstacles);
     let under = outlines.filter_map(|outline| {
         let ([x_low, y_low], [x_high, top]) = window(std::slice::from_ref(outline))?;
         let stands_free = left < x_low && x_high < right;
-        (top <= lowest).then_some(if stands_free { 0.5 * (y_low + top) } else { top })
+        (top <= lowest).then_some(if stands_free { y_low } else { top })
     });
     under.fold(lowest, f64::min)
 }
@@ -357,9 +357,14 @@ fn below(figure: &Snowballs<'_>, row: usize, [left, right]: [f64; 2], lowest: f6
 fn foreground(panel: &Panel<'_>, snapshot: &Snapshot<'_>) -> Result<(), FigureError> {
     for outline in snapshot.obstacles {
         let seen = within(&[panel.x, panel.y], outline);
-        let edge = seen.iter().chain(seen.first()).copied().collect::<Vec<_>>();
-        panel.plot().draw(&Polygon::new(seen, filled(Ink::hex(0xdfe3e7))))?;
-        panel.plot().draw(&PathElement::new(edge, stroked(2.5, TEXT)))?;
+        panel.plot().draw(&Polygon::new(seen.clone(), filled(Ink::hex(0xdfe3e7))))?;
+        // The view cuts the solid, but has no edge of it: what lies along the view's border is not drawn.
+        let cut = |a: f64, b: f64, axis: &Axis| a == b && (a == axis.low || a == axis.high);
+        for (&a, &b) in seen.iter().zip(seen.iter().cycle().skip(1)) {
+            if !cut(a.0, b.0, &panel.x) && !cut(a.1, b.1, &panel.y) {
+                panel.plot().draw(&PathElement::new([a, b], stroked(2.5, TEXT)))?;
+            }
+        }
     }
     Ok(())
 }
