@@ -8,7 +8,9 @@ use snowlab_solver::geometry::Vector;
 use snowlab_solver::{FlipShare, KernelKind, Scene, Simulation, State, Transfer};
 
 use super::evidence::{Check, Effort, Evidence, EvidenceFigure};
-use super::scenes::{TRANSFERS, elastic, fixed_step, lattice, observed_order, scene, snow, transfer_name, wall};
+use super::scenes::{
+    TRANSFERS, elastic, fixed_step, lattice, observed_order, scene, snow, transfer_name, wall,
+};
 use crate::figure::Drawing;
 use crate::figure::axis::Scale;
 use crate::figure::curves::{Curve, Curves, Quantity, Spread, curves};

@@ -130,7 +130,7 @@ fn measured_limit<const D: usize>(
     let speed = (body.stiffest() * modulus / DENSITY).sqrt();
     let (mut stable, mut unstable) = (0.25, 4.0);
     while unstable / stable > 1.005 {
-        let middle = (stable * unstable as f64).sqrt();
+        let middle = f64::sqrt(stable * unstable);
         if bounded(&scene, &start, middle / speed, steps)? { stable = middle } else { unstable = middle }
     }
     Ok(stable)
