@@ -159,7 +159,7 @@ impl Run {
 
 /// Carries it out.
 pub fn run(effort: Effort) -> anyhow::Result<Evidence> {
-    let steps: &[f64] = effort.choose(&[2e-5, 1e-5, 5e-6], &[4e-5, 2e-5, 1e-5, 5e-6, 2.5e-6, 1.25e-6]);
+    let steps: &[f64] = effort.choose(&[1e-5, 5e-6, 2.5e-6], &[4e-5, 2e-5, 1e-5, 5e-6, 2.5e-6, 1.25e-6]);
     let cases: Vec<_> = [Event::Bounce, Event::Impact]
         .into_iter()
         .flat_map(|event| TRANSFERS.into_iter().map(move |transfer| (event, transfer)))
