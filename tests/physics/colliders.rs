@@ -380,3 +380,21 @@ fn no_particle_ends_below_a_floor() {
     check_floors::<f64>(1e-14);
     check_floors::<f32>(2e-6);
 }
+
+#[test]
+fn a_box_touches_up_to_its_corners() {
+    let sides = [0.3, 0.1];
+    let block = Collider {
+        shape: Shape::Box {
+            centre: vector([1.0, 2.0]),
+            half_extent: vector(sides),
+            orientation: Matrix::<f64, 2>::identity(),
+        },
+        contact: Contact::Sticky,
+        friction: 0.0,
+        velocity: vector([0.0, 0.0]),
+    };
+    let at = |share: f64| vector([1.0 + share * sides[0], 2.0 - share * sides[1]]);
+    assert_eq!(block.respond(&at(0.99), &vector([1.0, 3.0]), 0.0), Some(vector([0.0, 0.0])));
+    assert_eq!(block.respond(&at(1.01), &vector([1.0, 3.0]), 0.0), None);
+}
