@@ -4,7 +4,6 @@ use crate::collision::{Contact, Interval, MirrorPlane, collide_grid, collide_par
 use crate::deformation::{internal_stress, update_deformation};
 use crate::diagnostics::kinetic_energy;
 use crate::error::{Rejection, RejectionReason, SceneError};
-use crate::fast;
 use crate::geometry::{Matrix, Vector, is_zero};
 use crate::grid::Grid;
 use crate::ledger::StepLedger;
@@ -12,7 +11,7 @@ use crate::mirror::{self, Fold};
 use crate::momentum::{kinetic_of_motion, kinetic_of_sums, update_grid_velocity};
 use crate::particles::ParticleMotion;
 use crate::real::Real;
-use crate::scene::{Advection, Engine, Scene, Transfer};
+use crate::scene::{Advection, Scene, Transfer};
 use crate::state::State;
 use crate::transfer::{Gathered, grid_to_particles, particles_to_grid, place_stencils, transfer_velocity};
 
@@ -75,20 +74,14 @@ pub fn step<T: Real, const D: usize>(
 
     place_stencils(scene, motion, grid);
     internal_stress(scene, motion, constants, stress);
-    match scene.engine {
-        Engine::Reference => particles_to_grid(scene, motion, constants, stress, grid),
-        Engine::Fast => fast::particles_to_grid(scene, motion, constants, stress, grid),
-    }
+    particles_to_grid(scene, motion, constants, stress, grid);
     mirror::fold(mirrors, grid, &scene.gravity, folds);
     ledger.kinetic_grid_before = kinetic_of_sums(grid, empty);
     update_grid_velocity(grid, &scene.gravity, dt_t, empty, &mut ledger);
     collide_grid(scene, grid, now, empty, &mut ledger);
     mirror::unfold(folds, grid, &scene.gravity, dt_t, T::of(share.unwrap_or(0.0)), &mut ledger);
     ledger.kinetic_grid_after = kinetic_of_motion(grid);
-    match scene.engine {
-        Engine::Reference => grid_to_particles(scene, motion, grid, gathered),
-        Engine::Fast => fast::grid_to_particles(scene, motion, grid, gathered),
-    }
+    grid_to_particles(scene, motion, grid, gathered);
     update_deformation(scene, motion, constants, &gathered.gradient, dt_t, next, &mut ledger)?;
     transfer_velocity(scene, motion, gathered, T::of(share.unwrap_or(0.0)), next);
     let advecting = advection_velocity(scene, &mut gathered.velocity, &next.velocity);

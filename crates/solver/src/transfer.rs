@@ -1,11 +1,12 @@
 //! Stages 1, 2 and 7: between particles and grid.
 
+use crate::fast;
 use crate::geometry::{Matrix, Vector};
 use crate::grid::{Anchor, Grid};
 use crate::kernel::{Cubic, Kernel, KernelKind, Quadratic};
 use crate::particles::{ParticleConstants, ParticleMotion};
 use crate::real::Real;
-use crate::scene::Scene;
+use crate::scene::{Engine, Scene};
 use crate::stencil::Stencil;
 
 /// What the grid tells each particle at the end of a step.
@@ -94,7 +95,10 @@ pub(crate) fn particles_to_grid<T: Real, const D: usize>(
     stress: &[Matrix<T, D>],
     grid: &mut Grid<T, D>,
 ) {
-    for_kernel_and_transfer!(scene, scatter, motion, constants, stress, grid)
+    match scene.engine {
+        Engine::Fast => fast::particles_to_grid(scene, motion, constants, stress, grid),
+        Engine::Reference => for_kernel_and_transfer!(scene, scatter, motion, constants, stress, grid),
+    }
 }
 
 fn scatter<T: Real, K: Kernel, const D: usize, const AFFINE: bool, const MLS: bool>(
@@ -150,7 +154,10 @@ pub(crate) fn grid_to_particles<T: Real, const D: usize>(
     gathered: &mut Gathered<T, D>,
 ) {
     gathered.resize(motion);
-    for_kernel_and_transfer!(scene, gather, motion, grid, gathered)
+    match scene.engine {
+        Engine::Fast => fast::grid_to_particles(scene, motion, grid, gathered),
+        Engine::Reference => for_kernel_and_transfer!(scene, gather, motion, grid, gathered),
+    }
 }
 
 fn gather<T: Real, K: Kernel, const D: usize, const AFFINE: bool, const MLS: bool>(

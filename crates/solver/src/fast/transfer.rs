@@ -51,7 +51,6 @@ pub(crate) fn grid_to_particles<T: Real, const D: usize>(
     grid: &Grid<T, D>,
     gathered: &mut Gathered<T, D>,
 ) {
-    gathered.resize(motion);
     for_kernel_and_transfer!(scene, gather, motion, grid, gathered)
 }
 
