@@ -60,7 +60,7 @@ fn weights_on_a_lattice_spread_like_random_points() {
     assert!(plain < 0.005, "{plain}");
 }
 
-/// physics.md, section 8: a jittered lattice cuts the spread about 2 times at PPC 0.6 and 10 times at PPC 24.
+/// A jittered lattice cuts the spread about 2 times at PPC 0.6 and 10 times at PPC 24.
 #[test]
 fn jitter_cuts_the_density_spread_more_with_more_particles() {
     let ratio = |count, h| {
