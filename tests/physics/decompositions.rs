@@ -2,7 +2,9 @@
 
 use snowlab_solver::Real;
 use snowlab_solver::geometry::{Matrix, Vector};
-use snowlab_solver::math::{cofactor, determinant, polar_rotation, signed_svd, stretches_within};
+use snowlab_solver::math::{
+    clamp_stretches, cofactor, determinant, polar_rotation, signed_svd, stretches_within,
+};
 
 use crate::support::{Random, largest};
 
@@ -230,4 +232,45 @@ fn the_short_test_for_yield_agrees_with_the_singular_values() {
     let mut inverted = Matrix::<f64, 3>::identity();
     inverted[(2, 2)] = -1.0;
     assert!(!stretches_within(&inverted, 0.975, 1.0075));
+}
+
+/// Against U, s and V that were put in: any mix of stretches inside and outside the bounds, equal, zero and negative ones too.
+fn check_clamp<T: Real, const D: usize>(tolerance: f64) {
+    let (least, greatest) = (0.975, 1.0075);
+    let mut random = Random(11);
+    for number in 0..3000 {
+        let mut s = Vector::<f64, D>::from_fn(|_, _| random.between(0.9, 1.1));
+        match number % 6 {
+            0 => s.fill(random.between(0.9, 1.1)),
+            1 => s[D - 1] = 0.0,
+            2 => s[D - 1] = -0.3,
+            3 => s[0] = 7.0,
+            _ => {}
+        }
+        s.as_mut_slice().sort_by(|a, b| b.total_cmp(a));
+        let (u, v) = (random.rotation::<f64, D>(), random.rotation::<f64, D>());
+        let f = (u * Matrix::from_diagonal(&s) * v.transpose()).map(T::of);
+        let bounded = clamp_stretches(&f, T::of(least), T::of(greatest));
+        let clamped = s.map(|s| s.clamp(least, greatest));
+        assert!((bounded.stretches.map(|s| s.as_f64()) - s).norm() <= tolerance * s.norm(), "{s} of {f}");
+        assert!((bounded.clamped.map(|s| s.as_f64()) - clamped).norm() <= tolerance * s.norm(), "{s} of {f}");
+        let expected = u * Matrix::from_diagonal(&clamped) * v.transpose();
+        let error = largest(&(bounded.matrix.map(|e| e.as_f64()) - expected));
+        assert!(error <= tolerance * s.norm(), "{s}: off by {error:e}");
+    }
+}
+
+#[test]
+fn clamped_stretches_keep_their_directions() {
+    check_clamp::<f64, 2>(1e-13);
+    check_clamp::<f64, 3>(1e-13);
+    check_clamp::<f32, 2>(3e-6);
+    check_clamp::<f32, 3>(3e-6);
+    // Squares that vanish or overflow.
+    for size in [1e-200, 1e200] {
+        let f = Matrix::<f64, 2>::new(0.0, -2.0 * size, size, 0.0);
+        let bounded = clamp_stretches(&f, 0.9, 1.1).matrix;
+        let s = if size > 1.0 { 1.1 } else { 0.9 };
+        assert!(largest(&(bounded - Matrix::<f64, 2>::new(0.0, -s, s, 0.0))) < 1e-15, "{bounded}");
+    }
 }

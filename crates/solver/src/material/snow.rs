@@ -3,7 +3,7 @@
 
 use super::{ConstitutiveModel, Lame, PlasticFlow, stretch_factor};
 use crate::geometry::Matrix;
-use crate::math::{signed_svd, stretches_within};
+use crate::math::{ClampedStretches, clamp_stretches, stretches_within};
 use crate::real::Real;
 
 /// The critical stretch up to which the time step needs no look at F. Chosen: stretches of 1 % raise the modulus by 9 % at most
@@ -54,22 +54,19 @@ impl<T: Real, const D: usize> ConstitutiveModel<T, D> for Snow<T> {
         if stretches_within(trial, least, greatest) {
             return None;
         }
-        let mut svd = signed_svd(trial);
-        let trial_energy = self.lame.energy_of_stretches(&svd.stretches);
+        let ClampedStretches { matrix, stretches, clamped } = clamp_stretches(trial, least, greatest);
         let mut ratio = plastic_ratio;
-        for s in svd.stretches.iter_mut() {
-            let clamped = s.max(least).min(greatest);
-            ratio *= *s / clamped;
-            *s = clamped;
+        for i in 0..D {
+            ratio *= stretches[i] / clamped[i];
         }
         let (lower, upper) = self.plastic_ratio_bounds;
         let bounded = ratio.max(lower).min(upper);
         Some(PlasticFlow {
-            deformation: svd.recompose(),
+            deformation: matrix,
             plastic_ratio: bounded,
             clamped: bounded != ratio,
-            trial_energy,
-            energy: self.lame.energy_of_stretches(&svd.stretches),
+            trial_energy: self.lame.energy_of_stretches(&stretches),
+            energy: self.lame.energy_of_stretches(&clamped),
         })
     }
 

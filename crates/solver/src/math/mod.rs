@@ -3,10 +3,12 @@
 //! `D` is matched here and nowhere else: the arms that do not apply vanish when a function is compiled for one `D`.
 
 mod polar;
+mod stretches;
 mod svd;
 
 pub use polar::polar_rotation;
-pub use svd::{SignedSvd, signed_svd, stretches_within};
+pub use stretches::{ClampedStretches, clamp_stretches, stretches_within};
+pub use svd::{SignedSvd, signed_svd};
 
 use crate::geometry::{Matrix, Vector};
 use crate::real::Real;

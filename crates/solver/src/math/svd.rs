@@ -1,7 +1,7 @@
 //! Singular value decomposition with proper rotations: F = U diag(s) V^T, det U = det V = +1, s_0 >= s_1 >= |s_2|,
 //! the last singular value negative where F is inverted (Irving, Teran & Fedkiw 2004, section 4).
 
-use super::{cross, norm_squared, polar_rotation};
+use super::{cross, polar_rotation};
 use crate::geometry::{Matrix, Vector};
 use crate::real::Real;
 
@@ -31,35 +31,6 @@ pub fn signed_svd<T: Real, const D: usize>(f: &Matrix<T, D>) -> SignedSvd<T, D> 
     match D {
         2 => planar(f),
         3 => spatial(f),
-        _ => unreachable!("D is 2 or 3"),
-    }
-}
-
-/// Whether every (signed) singular value of `f` lies in `[least, greatest]`.
-///
-/// In 2D from s_0 +- s_1 in closed form. In 3D by the bound |s^2 - 1| <= |F^T F - I|, and by the singular values
-/// themselves where the bound does not decide.
-#[inline]
-pub fn stretches_within<T: Real, const D: usize>(f: &Matrix<T, D>, least: T, greatest: T) -> bool {
-    match D {
-        2 => {
-            let (sum_x, sum_y) = (f[(0, 0)] + f[(1, 1)], f[(1, 0)] - f[(0, 1)]);
-            let (gap_x, gap_y) = (f[(0, 0)] - f[(1, 1)], f[(1, 0)] + f[(0, 1)]);
-            let sum = (sum_x * sum_x + sum_y * sum_y).sqrt();
-            let gap = (gap_x * gap_x + gap_y * gap_y).sqrt();
-            let half = T::of(0.5);
-            (sum - gap) * half >= least && (sum + gap) * half <= greatest
-        }
-        3 => {
-            let one = T::one();
-            let room = (one - least * least).min(greatest * greatest - one);
-            let strain = f.transpose() * f - Matrix::<T, D>::identity();
-            let upright = super::determinant(f) > T::zero();
-            if upright && room > T::zero() && norm_squared(&strain) <= room * room {
-                return true;
-            }
-            signed_svd(f).stretches.iter().all(|s| *s >= least && *s <= greatest)
-        }
         _ => unreachable!("D is 2 or 3"),
     }
 }
