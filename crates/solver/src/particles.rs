@@ -76,7 +76,7 @@ impl<T: Real> ParticleConstants<T> {
 }
 
 /// Element k of the result is element `order[k]` of the old array. An empty array (a field not in use) stays empty.
-fn gather_in_order<V: Copy>(values: &mut Vec<V>, order: &[u32]) {
+pub(crate) fn gather_in_order<V: Copy>(values: &mut Vec<V>, order: &[u32]) {
     if !values.is_empty() {
         *values = order.iter().map(|&p| values[p as usize]).collect();
     }

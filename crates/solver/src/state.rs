@@ -24,6 +24,9 @@ pub struct State<T: Real, const D: usize> {
     pub motion: ParticleMotion<T, D>,
     /// Fields that do not.
     pub constants: ParticleConstants<T>,
+    /// Acceleration of each particle by a force of its own, beside gravity [m/s^2]; empty where there is none. A step leaves it
+    /// alone: who drives the run sets it between steps.
+    pub body_acceleration: Vec<Vector<T, D>>,
     /// Sums over the run.
     pub ledger: Ledger<D>,
     /// When an obstacle, mirrors not counted, first changed a velocity [s].
@@ -92,6 +95,7 @@ impl<T: Real, const D: usize> State<T, D> {
                 material: particles.iter().map(|p| p.material).collect(),
                 id: (0..particles.len() as u32).collect(),
             },
+            body_acceleration: Vec::new(),
             ledger: Ledger::new(scene.colliders.len()),
             first_contact: None,
             step_factor: 1.0,
@@ -123,6 +127,11 @@ impl<T: Real, const D: usize> State<T, D> {
             ("plastic_ratio", motion.plastic_ratio.len(), particles),
             ("stiffness", motion.stiffness.len(), particles),
             ("clamped", motion.clamped.len(), clamped),
+            (
+                "body_acceleration",
+                self.body_acceleration.len(),
+                if self.body_acceleration.is_empty() { 0 } else { particles },
+            ),
             ("mass", constants.mass.len(), particles),
             ("volume", constants.volume.len(), particles),
             ("stiffness_scale", constants.stiffness_scale.len(), particles),

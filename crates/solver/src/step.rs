@@ -13,7 +13,9 @@ use crate::particles::ParticleMotion;
 use crate::real::Real;
 use crate::scene::{Advection, Scene, Transfer};
 use crate::state::State;
-use crate::transfer::{Gathered, grid_to_particles, particles_to_grid, place_stencils, transfer_velocity};
+use crate::transfer::{
+    Gathered, add_body_forces, grid_to_particles, particles_to_grid, place_stencils, transfer_velocity,
+};
 
 /// Scratch memory with no meaning between steps.
 #[derive(Clone, Debug)]
@@ -65,7 +67,7 @@ pub fn step<T: Real, const D: usize>(
     dt: f64,
 ) -> Result<StepLedger<D>, Rejection> {
     let Workspace { grid, stress, gathered, next, mirrors, folds, empty_mass } = workspace;
-    let State { motion, constants, time, .. } = &mut *state;
+    let State { motion, constants, body_acceleration, time, .. } = &mut *state;
     let mut ledger = StepLedger::new(scene.colliders.len());
     let (now, empty, dt_t) = (*time, *empty_mass, T::of(dt));
     let share = flip_share(scene.transfer, dt);
@@ -75,6 +77,7 @@ pub fn step<T: Real, const D: usize>(
     place_stencils(scene, motion, grid);
     internal_stress(scene, motion, constants, stress);
     particles_to_grid(scene, motion, constants, stress, grid);
+    add_body_forces(scene, motion, constants, body_acceleration, grid);
     mirror::fold(mirrors, grid, &scene.gravity, folds);
     ledger.kinetic_grid_before = kinetic_of_sums(grid, empty);
     update_grid_velocity(grid, &scene.gravity, dt_t, empty, &mut ledger);

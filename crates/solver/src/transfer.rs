@@ -146,6 +146,42 @@ fn scatter<T: Real, K: Kernel, const D: usize, const AFFINE: bool, const MLS: bo
     }
 }
 
+/// Adds the particles' own forces m_p a_p to their nodes; nothing where there are none.
+pub(crate) fn add_body_forces<T: Real, const D: usize>(
+    scene: &Scene<T, D>,
+    motion: &ParticleMotion<T, D>,
+    constants: &ParticleConstants<T>,
+    acceleration: &[Vector<T, D>],
+    grid: &mut Grid<T, D>,
+) {
+    match scene.kernel {
+        KernelKind::Cubic => scatter_forces::<T, Cubic, D>(motion, constants, acceleration, grid),
+        KernelKind::Quadratic => scatter_forces::<T, Quadratic, D>(motion, constants, acceleration, grid),
+    }
+}
+
+fn scatter_forces<T: Real, K: Kernel, const D: usize>(
+    motion: &ParticleMotion<T, D>,
+    constants: &ParticleConstants<T>,
+    acceleration: &[Vector<T, D>],
+    grid: &mut Grid<T, D>,
+) {
+    let per_spacing = T::one() / grid.spacing;
+    for (p, acceleration) in acceleration.iter().enumerate() {
+        let stencil =
+            Stencil::<T, D>::with::<K, false, false>(&motion.position[p], grid.spacing, per_spacing);
+        let anchor: Anchor<D> = grid.anchor(p);
+        let force = acceleration * constants.mass[p];
+        for index in 0..Stencil::<T, D>::rows::<K>() {
+            let row = stencil.row::<K>(index);
+            let first = anchor.row(&row.offset);
+            for (k, node) in grid.sums[first..first + K::SUPPORT].iter_mut().enumerate() {
+                node.force += force * (row.weight * stencil.weight[D - 1][k]);
+            }
+        }
+    }
+}
+
 /// The first half of stage 7: interpolated velocity, its change, its gradient, and C where the transfer keeps it.
 pub(crate) fn grid_to_particles<T: Real, const D: usize>(
     scene: &Scene<T, D>,

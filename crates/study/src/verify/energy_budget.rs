@@ -5,11 +5,11 @@ use snowlab_sampler::{Purpose, Streams, rng};
 use snowlab_solver::collision::{Collider, Contact};
 use snowlab_solver::diagnostics::energies;
 use snowlab_solver::geometry::Vector;
-use snowlab_solver::{FlipShare, KernelKind, Scene, Simulation, State, Transfer};
+use snowlab_solver::{KernelKind, Scene, Simulation, State, Transfer};
 
 use super::evidence::{Check, Effort, Evidence, EvidenceFigure};
 use super::scenes::{
-    TRANSFERS, elastic, fixed_step, lattice, observed_order, scene, snow, transfer_name, wall,
+    TRANSFERS, elastic, fixed_step, lattice, observed_order, rate_form, scene, snow, transfer_name, wall,
 };
 use crate::figure::Drawing;
 use crate::figure::axis::Scale;
@@ -102,14 +102,6 @@ fn bounce(transfer: Transfer, dt: f64) -> anyhow::Result<Simulation<f64, 2>> {
     }
     let state = State::at_rest(&scene, Vector::zeros(), &particles)?;
     Ok(Simulation::new(scene, state)?)
-}
-
-/// FLIP's share as a rate: a share per step would damp the more, the shorter the step.
-fn rate_form(transfer: Transfer) -> Transfer {
-    match transfer {
-        Transfer::Flip(_) => Transfer::Flip(FlipShare::Rate { share: 0.95, reference_step: 1e-5 }),
-        other => other,
-    }
 }
 
 /// What is run.

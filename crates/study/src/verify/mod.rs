@@ -5,8 +5,10 @@
 
 mod energy_budget;
 mod evidence;
+mod manufactured;
 mod page;
 mod scenes;
+mod solutions;
 mod stability;
 mod strain_path;
 
@@ -34,6 +36,12 @@ pub struct Experiment {
 
 /// All experiments, in the order of the page.
 pub const EXPERIMENTS: &[Experiment] = &[
+    Experiment {
+        id: "manufactured",
+        title: "Manufactured solutions",
+        run: manufactured::run,
+        section: include_str!("pages/manufactured.md.jinja"),
+    },
     Experiment {
         id: "strain-path",
         title: "A strain path through both yield limits",

@@ -138,3 +138,11 @@ pub fn observed_order(points: &[(f64, f64)]) -> f64 {
         .fold((0.0, 0.0), |(top, bottom), (u, v)| (top + (u - x) * (v - y), bottom + (u - x) * (u - x)));
     top / bottom
 }
+
+/// FLIP's share as a rate: a share per step would damp the more, the shorter the step.
+pub fn rate_form(transfer: Transfer) -> Transfer {
+    match transfer {
+        Transfer::Flip(_) => Transfer::Flip(FlipShare::Rate { share: 0.95, reference_step: 1e-5 }),
+        other => other,
+    }
+}
