@@ -1,0 +1,341 @@
+//! Do the fragment statistics converge: with the grid, with the particles, with the step? The cases are those of
+//! `studies/convergence.toml`, run and kept as any study's are.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::Context;
+use rayon::prelude::*;
+
+use super::Setting;
+use super::chart::{Line, Panel, chart};
+use super::evidence::{Check, Effort, Evidence, EvidenceFigure};
+use crate::figure::axis::Scale;
+use crate::results::{Archive, CaseResult};
+use crate::run::Unobserved;
+use crate::spec::parse;
+use crate::statistics::{mean, standard_deviation, t_interval};
+use crate::sweep::Study;
+use crate::table::{Row, Table};
+
+/// The study.
+const STUDY: &str = include_str!("../../../../studies/convergence.toml");
+
+/// A quantity of a case.
+struct Quantity {
+    name: &'static str,
+    meaning: &'static str,
+    unit: &'static str,
+    of: fn(&CaseResult) -> f64,
+}
+
+const QUANTITIES: [Quantity; 5] = [
+    Quantity {
+        name: "ln_neff",
+        meaning: "ln of the effective number of fragments, one link for all",
+        unit: "-",
+        of: |case| case.metrics.as_ref().map_or(f64::NAN, |metrics| metrics.end.ln_neff),
+    },
+    Quantity {
+        name: "damage",
+        meaning: "share of the mass outside the largest fragment",
+        unit: "-",
+        of: |case| case.metrics.as_ref().map_or(f64::NAN, |metrics| metrics.end.damage),
+    },
+    Quantity {
+        name: "dust",
+        meaning: "share of the mass in pieces below the cut",
+        unit: "-",
+        of: |case| case.metrics.as_ref().map_or(f64::NAN, |metrics| metrics.end.dust),
+    },
+    Quantity {
+        name: "ln_neff_kernel",
+        meaning: "ln of the effective number of fragments by the kernel graph, whose reach is the grid's",
+        unit: "-",
+        of: |case| case.metrics.as_ref().map_or(f64::NAN, |metrics| metrics.ln_neff_kernel),
+    },
+    Quantity {
+        name: "plastic_loss",
+        meaning: "energy lost to plastic flow",
+        unit: "J/m",
+        of: |case| case.record.history.last().map_or(f64::NAN, |row| row.plastic_loss),
+    },
+];
+
+/// Refinement along one axis, from coarse to fine: arms, and the abscissa of each.
+struct RefinementPath {
+    name: &'static str,
+    refined: &'static str,
+    arms: &'static [(&'static str, f64)],
+}
+
+const PATHS: [RefinementPath; 4] = [
+    RefinementPath {
+        name: "grid, random",
+        refined: "spacing h [mm] at 4 particles per cell, random",
+        arms: &[
+            ("random-grid-1", 14.4),
+            ("random-grid-2", 10.2),
+            ("random-grid-3", 7.2),
+            ("random-grid-4", 5.1),
+        ],
+    },
+    RefinementPath {
+        name: "grid, jittered",
+        refined: "spacing h [mm] at 4 particles per cell, jittered",
+        arms: &[
+            ("jittered-grid-1", 14.4),
+            ("jittered-grid-2", 10.2),
+            ("jittered-grid-3", 7.2),
+            ("jittered-grid-4", 5.1),
+        ],
+    },
+    RefinementPath {
+        name: "particles",
+        refined: "particles per cell at h = 10.2 mm, random",
+        arms: &[
+            ("particles-1", 1.0),
+            ("particles-2", 2.0),
+            ("random-grid-2", 4.0),
+            ("particles-8", 8.0),
+            ("particles-16", 16.0),
+        ],
+    },
+    RefinementPath {
+        name: "step",
+        refined: "wave Courant number at h = 10.2 mm and 4 particles per cell, random",
+        arms: &[("random-grid-2", 0.75), ("step-half", 0.375), ("step-quarter", 0.1875)],
+    },
+];
+
+/// Values of one quantity by block.
+type Blocks = BTreeMap<u64, f64>;
+
+/// All cases of an arm.
+struct Arms<'a>(BTreeMap<&'a str, Vec<&'a CaseResult>>);
+
+impl<'a> Arms<'a> {
+    fn of(results: &'a [CaseResult]) -> Self {
+        let mut arms = BTreeMap::<&str, Vec<&CaseResult>>::new();
+        for result in results {
+            arms.entry(&result.case.arm).or_default().push(result);
+        }
+        Arms(arms)
+    }
+
+    /// The values of the cases that can be used.
+    fn values(&self, arm: &str, quantity: &Quantity) -> Blocks {
+        let cases = self.0.get(arm).into_iter().flatten();
+        let usable = cases.filter(|case| case.failure().is_none());
+        usable.map(|case| (case.case.block, (quantity.of)(case))).filter(|(_, v)| v.is_finite()).collect()
+    }
+
+    /// The levels of a path that were run.
+    fn levels(&self, path: &RefinementPath) -> Vec<(&'static str, f64)> {
+        path.arms.iter().filter(|(arm, _)| self.0.contains_key(arm)).copied().collect()
+    }
+}
+
+/// Carries it out; cases that an earlier run has finished are not run again.
+pub fn run(setting: &Setting) -> anyhow::Result<Evidence> {
+    let profile = (setting.effort == Effort::Quick).then_some("quick");
+    let study = Study::expand(parse(STUDY)?, profile)?;
+    let archive = Archive::open(&study, setting.out, Path::new("."))?;
+    // Those to be run longest first, so that both cores stay busy to the end.
+    let mut missing = archive.missing();
+    missing.sort_by(|&a, &b| work(&study, b).total_cmp(&work(&study, a)));
+    missing
+        .par_iter()
+        .with_max_len(1)
+        .try_for_each(|&index| archive.run(index, &mut Unobserved))
+        .with_context(|| format!("cannot keep the cases of {}", setting.out.display()))?;
+    let results = archive.results()?;
+    let arms = Arms::of(&results);
+    let stopped = results.iter().filter(|result| result.failure().is_some()).count();
+    Ok(Evidence {
+        tables: vec![levels_table(&arms), refinements_table(&arms), cases_table(&results)],
+        figures: vec![
+            figure(
+                &arms,
+                "convergence-grid",
+                "The grid is refined at 4 particles per cell.",
+                &[0, 1],
+                "h [mm]",
+            )?,
+            figure(
+                &arms,
+                "convergence-particles",
+                "Particles are added at one grid, h = 10.2 mm, random placement.",
+                &[2],
+                "particles per cell",
+            )?,
+            figure(&arms, "convergence-step", "The step is shortened.", &[3], "wave Courant number")?,
+        ],
+        checks: vec![Check {
+            quantity: "cases that stopped, or could not be measured".into(),
+            measured: stopped as f64,
+            theory: "0".into(),
+            allowed: [0.0, 0.0],
+            source: "whether statistics converge is a finding, not a check; that every case counts is one",
+        }],
+    })
+}
+
+/// Particles over spacing squared, which the work of a case goes with.
+fn work(study: &Study, index: usize) -> f64 {
+    let scene = &study.cases[index].scene;
+    let count = scene.body[0].placement.count().unwrap_or(0) as f64;
+    count / scene.numerics.spacing / scene.numerics.wave_courant.unwrap_or(1.0)
+}
+
+/// One row for each path and level.
+fn levels_table(arms: &Arms) -> Table {
+    let mut rows = Vec::new();
+    for path in &PATHS {
+        for (arm, level) in arms.levels(path) {
+            let mut row = Row::default();
+            row.put("path", "-", "what is refined", path.name)
+                .number("level", "-", "h [mm], particles per cell, or wave Courant number", level)
+                .put("arm", "-", "arm of studies/convergence.toml", arm)
+                .count("blocks", "seeds", arms.values(arm, &QUANTITIES[0]).len() as u64);
+            for quantity in &QUANTITIES {
+                let values: Vec<f64> = arms.values(arm, quantity).into_values().collect();
+                let deviation = format!("{}_deviation", quantity.name);
+                row.put(quantity.name, quantity.unit, quantity.meaning, mean(&values)).put(
+                    &deviation,
+                    quantity.unit,
+                    "standard deviation of the seeds",
+                    standard_deviation(&values),
+                );
+            }
+            rows.push(row);
+        }
+    }
+    Table { name: "convergence-levels", rows }
+}
+
+/// What the last refinement of a path changed in a quantity, seed by seed.
+struct LastRefinement {
+    change: f64,
+    /// At 95 %, by Student's t.
+    interval: [f64; 2],
+    /// Change over the standard deviation of the seeds on the finer level.
+    over_spread: f64,
+    blocks: usize,
+}
+
+fn last_refinement(arms: &Arms, path: &RefinementPath, quantity: &Quantity) -> Option<LastRefinement> {
+    let levels = arms.levels(path);
+    let [.., (coarse, _), (fine, _)] = levels[..] else { return None };
+    let (coarse, fine) = (arms.values(coarse, quantity), arms.values(fine, quantity));
+    let changes: Vec<f64> =
+        fine.iter().filter_map(|(block, value)| coarse.get(block).map(|before| value - before)).collect();
+    let interval = t_interval(&changes, 0.95)?;
+    let change = mean(&changes)?;
+    let spread = standard_deviation(&fine.into_values().collect::<Vec<_>>())?;
+    Some(LastRefinement {
+        change,
+        interval: [interval.lower, interval.upper],
+        over_spread: change / spread,
+        blocks: changes.len(),
+    })
+}
+
+/// One row for each path and quantity.
+fn refinements_table(arms: &Arms) -> Table {
+    let mut rows = Vec::new();
+    for path in &PATHS {
+        for quantity in &QUANTITIES {
+            let found = last_refinement(arms, path, quantity);
+            let words = match &found {
+                None => "not told by so few seeds",
+                Some(found) if found.interval[0] <= 0.0 && 0.0 <= found.interval[1] => "not seen to move",
+                Some(_) => "still moves",
+            };
+            let of = |value: fn(&LastRefinement) -> f64| found.as_ref().map(value);
+            let mut row = Row::default();
+            row.put("path", "-", "what is refined", path.name)
+                .put("refined", "-", "the same in words", path.refined)
+                .put("quantity", "-", "quantity", quantity.name)
+                .put("meaning", "-", "what it is", quantity.meaning)
+                .put("unit", "-", "its unit", quantity.unit)
+                .count(
+                    "blocks",
+                    "seeds run on both levels",
+                    found.as_ref().map_or(0, |found| found.blocks as u64),
+                )
+                .put(
+                    "change",
+                    "as the quantity",
+                    "mean change by the last refinement",
+                    of(|found| found.change),
+                )
+                .put(
+                    "lower",
+                    "as the quantity",
+                    "lower end of its 95 % interval",
+                    of(|found| found.interval[0]),
+                )
+                .put(
+                    "upper",
+                    "as the quantity",
+                    "upper end of its 95 % interval",
+                    of(|found| found.interval[1]),
+                )
+                .put(
+                    "over_spread",
+                    "-",
+                    "change over the seeds' standard deviation",
+                    of(|found| found.over_spread),
+                )
+                .put("verdict", "-", "whether the interval leaves out 0", words);
+            rows.push(row);
+        }
+    }
+    Table { name: "convergence-refinements", rows }
+}
+
+fn cases_table(results: &[CaseResult]) -> Table {
+    let row = |result: &CaseResult| {
+        let failure = result.failure().unwrap_or_default();
+        let mut row = Row::default();
+        row.put("arm", "-", "arm of studies/convergence.toml", result.case.arm.as_str())
+            .count("block", "seed", result.case.block)
+            .put("key", "-", "key of the case", result.key.as_str())
+            .put("failure", "-", "why it cannot be used; empty where it can", failure.as_str())
+            .count("particles", "particles", result.record.made.particles as u64)
+            .count("steps", "steps", result.record.steps);
+        for quantity in &QUANTITIES {
+            row.number(quantity.name, quantity.unit, quantity.meaning, (quantity.of)(result));
+        }
+        row
+    };
+    Table { name: "convergence-cases", rows: results.iter().map(row).collect() }
+}
+
+/// Means with the seeds' standard deviation, of the first two quantities.
+fn figure(
+    arms: &Arms,
+    name: &'static str,
+    caption: &'static str,
+    paths: &[usize],
+    x_label: &str,
+) -> anyhow::Result<EvidenceFigure> {
+    let lines = |quantity: &Quantity| -> Vec<Line> {
+        let line = |path: &RefinementPath| {
+            let points = arms.levels(path).into_iter().filter_map(|(arm, level)| {
+                let values: Vec<f64> = arms.values(arm, quantity).into_values().collect();
+                let spread = standard_deviation(&values).unwrap_or(0.0);
+                mean(&values).map(|mean| (level, mean, spread))
+            });
+            Line::with_spread(path.name, points)
+        };
+        paths.iter().map(|&index| line(&PATHS[index])).collect()
+    };
+    let panels = [
+        Panel::new("ln N_eff", Scale::Linear, lines(&QUANTITIES[0])),
+        Panel::new("damage D", Scale::Linear, lines(&QUANTITIES[1])),
+    ];
+    let note = "Mean over the seeds; bars are their standard deviation.";
+    Ok(EvidenceFigure { name, caption, drawing: chart(x_label, Scale::Logarithmic, note, &panels)? })
+}
