@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 use snowlab_study::store::write_whole;
-use snowlab_study::verify::{self, EXPERIMENTS, Effort, Found};
+use snowlab_study::verify::{self, EXPERIMENTS, Effort, Found, Setting};
 
 use super::Exit;
 
@@ -37,7 +37,8 @@ pub fn verify(arguments: &VerifyArguments) -> anyhow::Result<Exit> {
         return Ok(Exit::Done);
     }
     let effort = if arguments.quick { Effort::Quick } else { Effort::Full };
-    let found = verify::verify(&arguments.experiments, effort, tell)?;
+    let setting = Setting { effort, out: &arguments.out };
+    let found = verify::verify(&arguments.experiments, &setting, tell)?;
     verify::write(&found, &arguments.out)?;
     if let Some(page) = &arguments.page {
         write_page(&found, page, &arguments.out)?;

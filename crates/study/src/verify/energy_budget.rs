@@ -7,13 +7,14 @@ use snowlab_solver::diagnostics::energies;
 use snowlab_solver::geometry::Vector;
 use snowlab_solver::{KernelKind, Scene, Simulation, State, Transfer};
 
-use super::evidence::{Check, Effort, Evidence, EvidenceFigure};
+use super::Setting;
+use super::chart::{Line, Panel, chart};
+use super::evidence::{Check, Evidence, EvidenceFigure};
 use super::scenes::{
     TRANSFERS, elastic, fixed_step, lattice, observed_order, rate_form, scene, snow, transfer_name, wall,
 };
 use crate::figure::Drawing;
 use crate::figure::axis::Scale;
-use crate::figure::curves::{Curve, Curves, Quantity, Spread, curves};
 use crate::figure::energy::{Energy, EnergyCase, energy};
 use crate::table::{Row, Table};
 
@@ -150,7 +151,8 @@ impl Run {
 }
 
 /// Carries it out.
-pub fn run(effort: Effort) -> anyhow::Result<Evidence> {
+pub fn run(setting: &Setting) -> anyhow::Result<Evidence> {
+    let effort = setting.effort;
     let steps: &[f64] = effort.choose(&[1e-5, 5e-6, 2.5e-6], &[4e-5, 2e-5, 1e-5, 5e-6, 2.5e-6, 1.25e-6]);
     let cases: Vec<_> = [Event::Bounce, Event::Impact]
         .into_iter()
@@ -292,28 +294,12 @@ fn stack(by_transfer: &[&[Run]]) -> anyhow::Result<Drawing> {
 }
 
 fn residuals(by_transfer: &[&[Run]]) -> anyhow::Result<Drawing> {
-    let columns: Vec<(Vec<f64>, Vec<f64>)> = by_transfer
-        .iter()
-        .map(|runs| runs.iter().rev().map(|run| (1e6 * run.dt, run.residual().abs())).unzip())
-        .collect();
-    let lines: Vec<Curve> = by_transfer
-        .iter()
-        .zip(&columns)
-        .map(|(runs, (x, y))| Curve { arm: transfer_name(runs[0].transfer), x, middle: y, low: y, high: y })
-        .collect();
-    Ok(curves(&Curves {
-        title: "",
-        x_label: "dt [us]",
-        x_scale: Scale::Logarithmic,
-        mark: None,
-        spread: Spread::Bars,
-        note: "Size of the residual over the kinetic energy at the start.",
-        quantities: &[Quantity {
-            label: "residual",
-            scale: Scale::Logarithmic,
-            hold: &[],
-            level: None,
-            curves: &lines,
-        }],
-    })?)
+    let line = |runs: &&[Run]| {
+        let points = runs.iter().map(|run| (1e6 * run.dt, run.residual().abs()));
+        Line::new(transfer_name(runs[0].transfer), points)
+    };
+    let lines = by_transfer.iter().map(line).collect();
+    let note = "Size of the residual over the kinetic energy at the start.";
+    let scale = Scale::Logarithmic;
+    chart("dt [us]", scale, note, &[Panel::new("residual", scale, lines)])
 }

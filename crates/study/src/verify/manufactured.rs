@@ -4,23 +4,27 @@ use rayon::prelude::*;
 use snowlab_sampler::{Purpose, Streams, rng};
 use snowlab_solver::collision::Contact;
 use snowlab_solver::geometry::Vector;
-use snowlab_solver::{InitialParticle, KernelKind, Real, Simulation, State, Transfer};
+use snowlab_solver::timestep::step_length;
+use snowlab_solver::{FlipShare, InitialParticle, KernelKind, Real, Simulation, State, Transfer};
 
+use super::Setting;
+use super::chart::{Line, Panel, chart};
 use super::evidence::{Check, Effort, Evidence, EvidenceFigure};
 use super::scenes::{
-    KERNELS, TRANSFERS, elastic, kernel_name, lattice, observed_order, particle, rate_form, scene,
+    KERNELS, TRANSFERS, elastic, fixed_step, kernel_name, lattice, observed_order, particle, scene,
     transfer_name, wall,
 };
 use super::solutions::{Solution, StandingWaves, Vortex, difference_from_finite_differences};
 use crate::figure::Drawing;
 use crate::figure::axis::Scale;
-use crate::figure::curves::{Curve, Curves, Quantity, Spread, curves};
 use crate::table::{Row, Table};
 
 /// A = 0.05 m (strains to 16 %), c = sqrt(E / rho_0).
 const WAVES: StandingWaves = StandingWaves { amplitude: 0.05, speed: 18.708_286_933_869_708 };
 /// Shear to 0.9; the period is that of a shear wave across the ring and back.
 const VORTEX: Vortex = Vortex { angle: 0.15, period: 0.1, middle: 1.0 };
+/// FLIP's share as a rate: as a share per step it would damp the more, the shorter the step.
+const FLIP: Transfer = Transfer::Flip(FlipShare::Rate { share: 0.95, reference_step: 1e-3 });
 /// Times at which the error is taken [s]: shortly before the waves' first crest, and at the vortex's.
 const WAVES_END: f64 = 0.4 / 18.708_286_933_869_708;
 const VORTEX_END: f64 = 0.05;
@@ -73,12 +77,14 @@ struct Series {
     mirrored: bool,
     /// Particles per cell and axis.
     per_axis: usize,
+    /// Step over the default.
+    step: f64,
 }
 
 impl Series {
     fn of(motion: Motion, kernel: KernelKind, transfer: Transfer) -> Self {
         let placement = Placement::Lattice;
-        Series { motion, kernel, transfer, placement, single: false, mirrored: true, per_axis: 2 }
+        Series { motion, kernel, transfer, placement, single: false, mirrored: true, per_axis: 2, step: 1.0 }
     }
 
     fn name(&self) -> String {
@@ -145,17 +151,24 @@ impl Series {
         end: f64,
         size: f64,
     ) -> anyhow::Result<[f64; 4]> {
-        let transfer = rate_form(self.transfer);
+        let transfer = match self.transfer {
+            Transfer::Flip(_) => FLIP,
+            other => other,
+        };
         let mut scene = scene::<T, D>(1.0 / cells as f64, self.kernel, transfer, elastic());
         scene.colliders = walls;
-        // The body force does work that the watchdog does not know of.
-        scene.time_step.watchdog_interval = 0;
-        for body in &mut bodies {
-            body.velocity = solution.initial_velocity(&body.position);
-        }
+        // Steps of one length, that of the default at the start: where it varies, symplectic Euler is of first order in time.
+        let longest = self.step * step_length(&scene, &State::at_rest(&scene, Vector::zeros(), &bodies)?);
+        let dt = end / (end / longest).ceil();
+        scene.time_step = fixed_step(dt);
         let rest: Vec<Vector<f64, D>> = bodies.iter().map(|body| body.position).collect();
-        let mut simulation =
-            Simulation::new(scene.clone(), State::at_rest(&scene, Vector::zeros(), &bodies)?)?;
+        // A step takes velocities from half a step before the positions to half a step after.
+        for body in &mut bodies {
+            let now = solution.position(&body.position, 0.0);
+            body.velocity = (now - solution.position(&body.position, -dt)) / dt;
+        }
+        let state = State::at_rest(&scene, Vector::zeros(), &bodies)?;
+        let mut simulation = Simulation::new(scene, state)?;
         while simulation.state().time < end {
             let state = simulation.state_mut();
             let now = state.time;
@@ -222,19 +235,23 @@ fn grids(motion: Motion, effort: Effort) -> &'static [usize] {
 }
 
 /// Carries it out.
-pub fn run(effort: Effort) -> anyhow::Result<Evidence> {
+pub fn run(setting: &Setting) -> anyhow::Result<Evidence> {
+    let effort = setting.effort;
     let series = all_series(effort);
     let mut cases: Vec<(Series, usize)> =
         series.iter().flat_map(|s| grids(s.motion, effort).iter().map(|&cells| (*s, cells))).collect();
-    // Random placement at one spacing, ever more particles.
+    // At one spacing: ever more particles, and ever shorter steps.
+    let mls = Series::of(Motion::Waves2, KernelKind::Cubic, Transfer::Mls);
     let crowds: &[usize] = effort.choose(&[2, 4], &[2, 4, 8, 16]);
-    cases.extend(crowds.iter().map(|&per_axis| {
-        let random = Series::of(Motion::Waves2, KernelKind::Cubic, Transfer::Mls);
-        (Series { placement: Placement::Random, per_axis, ..random }, 32)
-    }));
+    let mut at_one_grid = Vec::new();
+    for placement in [Placement::Lattice, Placement::Random] {
+        at_one_grid.extend(crowds.iter().map(|&per_axis| Series { placement, per_axis, ..mls }));
+    }
+    at_one_grid.extend([0.5, 0.25].map(|step| Series { step, ..mls }));
+    cases.extend(at_one_grid.iter().map(|&series| (series, 64)));
     let runs =
         cases.into_par_iter().map(|(series, cells)| series.run(cells)).collect::<anyhow::Result<Vec<_>>>()?;
-    let (runs, crowd) = runs.split_at(runs.len() - crowds.len());
+    let (runs, crowd) = runs.split_at(runs.len() - at_one_grid.len());
     let mut rest = runs;
     let mut grouped: Vec<&[Run]> = Vec::new();
     for s in &series {
@@ -336,6 +353,7 @@ fn table(name: &'static str, runs: &[Run]) -> Table {
         let mut row = Row::default();
         identity(&mut row, &run.series);
         row.count("cells", "cells per metre", run.cells as u64)
+            .number("step", "-", "step over the default", run.series.step)
             .count("particles", "number of particles", run.particles as u64)
             .number(
                 "particles_per_cell",
@@ -383,43 +401,18 @@ fn orders(grouped: &[&[Run]]) -> Table {
 }
 
 fn figure(grouped: &[&[Run]], chosen: &dyn Fn(&Series) -> bool) -> anyhow::Result<Drawing> {
-    let shown: Vec<&&[Run]> = grouped.iter().filter(|runs| chosen(&runs[0].series)).collect();
-    let names: Vec<String> = shown.iter().map(|runs| runs[0].series.name()).collect();
-    let columns: Vec<[Vec<f64>; 3]> = shown
-        .iter()
-        .map(|runs| {
-            [
-                runs.iter().map(|run| run.cells as f64).collect(),
-                runs.iter().map(|run| run.l2).collect(),
-                runs.iter().map(|run| run.linf).collect(),
-            ]
-        })
-        .collect();
-    let lines = |quantity: usize| -> Vec<Curve> {
-        names
-            .iter()
-            .zip(&columns)
-            .map(|(arm, c)| Curve {
-                arm,
-                x: &c[0],
-                middle: &c[quantity],
-                low: &c[quantity],
-                high: &c[quantity],
+    let lines = |error: fn(&Run) -> f64| -> Vec<Line> {
+        let shown = grouped.iter().filter(|runs| chosen(&runs[0].series));
+        shown
+            .map(|runs| {
+                Line::new(runs[0].series.name(), runs.iter().map(|run| (run.cells as f64, error(run))))
             })
             .collect()
     };
-    let (l2, linf) = (lines(1), lines(2));
     let scale = Scale::Logarithmic;
-    Ok(curves(&Curves {
-        title: "",
-        x_label: "cells per metre",
-        x_scale: scale,
-        mark: None,
-        spread: Spread::Bars,
-        note: "Error of the particles' displacement over its amplitude.",
-        quantities: &[
-            Quantity { label: "L2 error", scale, hold: &[], level: None, curves: &l2 },
-            Quantity { label: "largest error", scale, hold: &[], level: None, curves: &linf },
-        ],
-    })?)
+    let panels = [
+        Panel::new("L2 error", scale, lines(|run| run.l2)),
+        Panel::new("largest error", scale, lines(|run| run.linf)),
+    ];
+    chart("cells per metre", scale, "Error of the particles' displacement over its amplitude.", &panels)
 }

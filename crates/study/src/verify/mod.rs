@@ -3,14 +3,22 @@
 //! An experiment is a file that returns its [`Evidence`]; [`EXPERIMENTS`] lists them in the order of the page. To add one: the
 //! file, its line in the list, and its section `pages/<id>.md.jinja`, which sees the tables of all.
 
+mod chart;
+mod column;
+mod convergence;
+mod discs;
 mod energy_budget;
 mod evidence;
+mod incline;
 mod manufactured;
+mod moving;
 mod page;
 mod scenes;
 mod solutions;
+mod spin;
 mod stability;
 mod strain_path;
+mod vibration;
 
 use std::path::Path;
 
@@ -21,6 +29,15 @@ pub use evidence::{Check, Effort, Evidence, EvidenceFigure};
 
 use crate::store::write_whole;
 
+/// How experiments are carried out.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting<'a> {
+    /// How thorough.
+    pub effort: Effort,
+    /// Where the cases of a study that an experiment runs are kept, and found again.
+    pub out: &'a Path,
+}
+
 /// One experiment.
 #[derive(Clone, Copy, Debug)]
 pub struct Experiment {
@@ -29,7 +46,7 @@ pub struct Experiment {
     /// Heading of its section.
     pub title: &'static str,
     /// Carries it out.
-    pub run: fn(Effort) -> anyhow::Result<Evidence>,
+    pub run: fn(&Setting) -> anyhow::Result<Evidence>,
     /// Its section of the page, a template.
     section: &'static str,
 }
@@ -41,6 +58,42 @@ pub const EXPERIMENTS: &[Experiment] = &[
         title: "Manufactured solutions",
         run: manufactured::run,
         section: include_str!("pages/manufactured.md.jinja"),
+    },
+    Experiment {
+        id: "vibration",
+        title: "A vibrating bar",
+        run: vibration::run,
+        section: include_str!("pages/vibration.md.jinja"),
+    },
+    Experiment {
+        id: "column",
+        title: "A column under its own weight",
+        run: column::run,
+        section: include_str!("pages/column.md.jinja"),
+    },
+    Experiment {
+        id: "discs",
+        title: "Two elastic discs that meet",
+        run: discs::run,
+        section: include_str!("pages/discs.md.jinja"),
+    },
+    Experiment {
+        id: "incline",
+        title: "A block on an inclined plane",
+        run: incline::run,
+        section: include_str!("pages/incline.md.jinja"),
+    },
+    Experiment {
+        id: "spin",
+        title: "A spinning block",
+        run: spin::run,
+        section: include_str!("pages/spin.md.jinja"),
+    },
+    Experiment {
+        id: "moving",
+        title: "Obstacles that move",
+        run: moving::run,
+        section: include_str!("pages/moving.md.jinja"),
     },
     Experiment {
         id: "strain-path",
@@ -60,6 +113,12 @@ pub const EXPERIMENTS: &[Experiment] = &[
         run: stability::run,
         section: include_str!("pages/stability.md.jinja"),
     },
+    Experiment {
+        id: "convergence",
+        title: "Do the fragment statistics converge?",
+        run: convergence::run,
+        section: include_str!("pages/convergence.md.jinja"),
+    },
 ];
 
 /// An experiment with what it found.
@@ -69,7 +128,11 @@ pub type Found = (&'static Experiment, Evidence);
 ///
 /// # Errors
 /// A name that is none, and what keeps an experiment from being carried out. A check that does not hold is no error.
-pub fn verify(only: &[String], effort: Effort, done: impl Fn(&Found) + Sync) -> anyhow::Result<Vec<Found>> {
+pub fn verify(
+    only: &[String],
+    setting: &Setting,
+    done: impl Fn(&Found) + Sync,
+) -> anyhow::Result<Vec<Found>> {
     for name in only {
         anyhow::ensure!(
             EXPERIMENTS.iter().any(|experiment| experiment.id == name),
@@ -84,7 +147,7 @@ pub fn verify(only: &[String], effort: Effort, done: impl Fn(&Found) + Sync) -> 
     chosen
         .into_par_iter()
         .map(|experiment| {
-            let evidence = (experiment.run)(effort).with_context(|| experiment.id)?;
+            let evidence = (experiment.run)(setting).with_context(|| experiment.id)?;
             let found = (experiment, evidence);
             done(&found);
             Ok(found)

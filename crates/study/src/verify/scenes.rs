@@ -1,10 +1,13 @@
 //! Materials, scenes and bodies that the experiments share.
 
+use std::ops::Range;
+
 use snowlab_solver::collision::{Collider, Contact};
 use snowlab_solver::geometry::{Matrix, Shape, Vector, unit};
+use snowlab_solver::kernel::{Cubic, Kernel, Quadratic};
 use snowlab_solver::{
     Advection, Elastic, Engine, FlipShare, InitialParticle, KernelKind, Lame, Material, Real, Scene, Snow,
-    StepLength, TimeStepControl, Transfer,
+    State, StepLength, TimeStepControl, Transfer,
 };
 
 /// Young's modulus of S13's snow [Pa] (table 2).
@@ -19,6 +22,12 @@ pub const CRITICAL_COMPRESSION: f64 = 2.5e-2;
 pub const CRITICAL_STRETCH: f64 = 7.5e-3;
 /// Its hardening coefficient xi.
 pub const HARDENING: f64 = 10.0;
+
+/// c = sqrt((lambda + 2 mu) / rho), of a wave along its own direction in a wide body [m/s].
+pub fn wave_speed() -> f64 {
+    let Lame { mu, lambda } = Lame::<f64>::from_young(YOUNG, POISSON);
+    ((lambda + 2.0 * mu) / DENSITY).sqrt()
+}
 
 /// S13's snow.
 pub fn snow<T: Real>() -> Material<T> {
@@ -90,6 +99,69 @@ pub fn lattice<const D: usize>(h: f64, cells: [usize; D], per_axis: usize) -> Ve
             particle(position, (0..D).fold(1.0, |volume, _| volume * apart))
         })
         .collect()
+}
+
+/// A disc about `centre` [m], 4 particles to a cell on a lattice about it, all with one velocity [m/s].
+pub fn disc(
+    h: f64,
+    centre: Vector<f64, 2>,
+    radius: f64,
+    velocity: Vector<f64, 2>,
+) -> Vec<InitialParticle<2>> {
+    let cells = 2 * libm::ceil(radius / h) as usize;
+    let middle = centre.add_scalar(-0.5 * cells as f64 * h);
+    lattice::<2>(h, [cells; 2], 2)
+        .into_iter()
+        .map(|body| InitialParticle { position: body.position + middle, velocity, ..body })
+        .filter(|body| (body.position - centre).norm() < radius)
+        .collect()
+}
+
+/// How some particles move as a whole.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyMotion {
+    /// Mass [kg/m].
+    pub mass: f64,
+    /// Centre of mass [m].
+    pub centre: Vector<f64, 2>,
+    /// Its velocity [m/s].
+    pub velocity: Vector<f64, 2>,
+    /// Angular momentum about it, apic's affine part included [kg m/s].
+    pub angular_momentum: f64,
+    /// Moment of inertia about it [kg m].
+    pub inertia: f64,
+}
+
+/// The motion of the particles with the given ids.
+pub fn body_motion(scene: &Scene<f64, 2>, state: &State<f64, 2>, ids: Range<u32>) -> BodyMotion {
+    let own: Vec<usize> = (0..state.len()).filter(|&p| ids.contains(&state.constants.id[p])).collect();
+    let (position, velocity, mass) = (&state.motion.position, &state.motion.velocity, &state.constants.mass);
+    let total: f64 = own.iter().map(|&p| mass[p]).sum();
+    let mean = |field: &[Vector<f64, 2>]| {
+        own.iter().fold(Vector::<f64, 2>::zeros(), |sum, &p| sum + field[p] * (mass[p] / total))
+    };
+    let (centre, drift) = (mean(position), mean(velocity));
+    let inverse_inertia = match scene.kernel {
+        KernelKind::Cubic => Cubic::INVERSE_INERTIA,
+        KernelKind::Quadratic => Quadratic::INVERSE_INERTIA,
+    };
+    let of_affine = scene.spacing * scene.spacing / inverse_inertia;
+    let (mut angular, mut inertia) = (0.0, 0.0);
+    for &p in &own {
+        let (x, v) = (position[p] - centre, velocity[p] - drift);
+        angular += mass[p] * x.perp(&v);
+        inertia += mass[p] * x.norm_squared();
+        if let Some(c) = state.motion.affine.get(p) {
+            angular += mass[p] * of_affine * (c[(1, 0)] - c[(0, 1)]);
+        }
+    }
+    BodyMotion {
+        mass: total,
+        centre: state.origin + centre,
+        velocity: drift,
+        angular_momentum: angular,
+        inertia,
+    }
 }
 
 /// The half-space beyond `at` [m] on one axis, its normal along `sign`.

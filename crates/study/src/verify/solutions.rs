@@ -18,8 +18,6 @@ const LAMBDA: f64 = YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON));
 pub trait Solution<const D: usize>: Sync {
     /// x(X, t) [m].
     fn position(&self, rest: &Vector<f64, D>, time: f64) -> Vector<f64, D>;
-    /// dx/dt at t = 0 [m/s].
-    fn initial_velocity(&self, rest: &Vector<f64, D>) -> Vector<f64, D>;
     /// b(X, t) [m/s^2].
     fn body_acceleration(&self, rest: &Vector<f64, D>, time: f64) -> Vector<f64, D>;
 }
@@ -35,30 +33,24 @@ pub struct StandingWaves {
 }
 
 impl StandingWaves {
-    /// sin(c pi t + k pi) and its derivative at t = 0 over c pi.
-    fn swing(&self, axis: usize, time: f64) -> (f64, f64) {
+    /// sin(c pi t + k pi).
+    fn swing(&self, axis: usize, time: f64) -> f64 {
         let sign = if axis % 2 == 0 { 1.0 } else { -1.0 };
-        (sign * libm::sin(self.speed * PI * time), sign)
+        sign * libm::sin(self.speed * PI * time)
     }
 }
 
 impl<const D: usize> Solution<D> for StandingWaves {
     fn position(&self, rest: &Vector<f64, D>, time: f64) -> Vector<f64, D> {
-        Vector::from_fn(|k, _| rest[k] + self.amplitude * libm::sin(PI * rest[k]) * self.swing(k, time).0)
-    }
-
-    fn initial_velocity(&self, rest: &Vector<f64, D>) -> Vector<f64, D> {
-        Vector::from_fn(|k, _| {
-            self.amplitude * libm::sin(PI * rest[k]) * self.swing(k, 0.0).1 * self.speed * PI
-        })
+        Vector::from_fn(|k, _| rest[k] + self.amplitude * libm::sin(PI * rest[k]) * self.swing(k, time))
     }
 
     /// P_kk = 2 mu (F_kk - 1) + lambda (J - 1) J / F_kk, the other entries 0, so that b_k = pi^2 u_k ((2 mu + lambda (J / F_kk)^2) / rho_0 - c^2).
     fn body_acceleration(&self, rest: &Vector<f64, D>, time: f64) -> Vector<f64, D> {
-        let stretch = |k: usize| 1.0 + self.amplitude * PI * libm::cos(PI * rest[k]) * self.swing(k, time).0;
+        let stretch = |k: usize| 1.0 + self.amplitude * PI * libm::cos(PI * rest[k]) * self.swing(k, time);
         Vector::from_fn(|k, _| {
             let across = (0..D).filter(|&l| l != k).fold(1.0, |product, l| product * stretch(l));
-            let displacement = self.amplitude * libm::sin(PI * rest[k]) * self.swing(k, time).0;
+            let displacement = self.amplitude * libm::sin(PI * rest[k]) * self.swing(k, time);
             let modulus = (2.0 * MU + LAMBDA * across * across) / DENSITY;
             PI * PI * displacement * (modulus - self.speed * self.speed)
         })
@@ -107,10 +99,6 @@ impl Solution<2> for Vortex {
     fn position(&self, rest: &Vector<f64, 2>, time: f64) -> Vector<f64, 2> {
         let (radius, outwards, _) = self.frame(rest, time);
         outwards * radius
-    }
-
-    fn initial_velocity(&self, _rest: &Vector<f64, 2>) -> Vector<f64, 2> {
-        Vector::zeros()
     }
 
     /// F = Q (I + gamma e_theta e_R^T), Q the rotation by alpha. Its polar rotation is Q times that by phi, tan phi = gamma / 2, and J = 1, so

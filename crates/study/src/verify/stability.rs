@@ -9,6 +9,7 @@ use snowlab_solver::step::{Workspace, step};
 use snowlab_solver::timestep::wave_limit;
 use snowlab_solver::{InitialParticle, KernelKind, Scene, State, Transfer};
 
+use super::Setting;
 use super::evidence::{Check, Effort, Evidence, EvidenceFigure};
 use super::scenes::{
     DENSITY, KERNELS, TRANSFERS, elastic, kernel_name, lattice, particle, scene, transfer_name,
@@ -145,7 +146,8 @@ struct Found {
 }
 
 /// Carries it out.
-pub fn run(effort: Effort) -> anyhow::Result<Evidence> {
+pub fn run(setting: &Setting) -> anyhow::Result<Evidence> {
+    let effort = setting.effort;
     let steps = effort.choose(600, 2000);
     let mut cases = Vec::new();
     for kernel in KERNELS {

@@ -3,7 +3,8 @@
 use snowlab_solver::geometry::Vector;
 use snowlab_solver::{KernelKind, Simulation, State, Transfer};
 
-use super::evidence::{Check, Effort, Evidence, EvidenceFigure};
+use super::Setting;
+use super::evidence::{Check, Evidence, EvidenceFigure};
 use super::scenes::{
     CRITICAL_COMPRESSION, CRITICAL_STRETCH, HARDENING, POISSON, YOUNG, fixed_step, lattice, scene, snow,
 };
@@ -83,7 +84,8 @@ fn middle_point<const D: usize>(simulation: &Simulation<f64, D>, stretch: f64, m
 }
 
 /// Carries it out.
-pub fn run(effort: Effort) -> anyhow::Result<Evidence> {
+pub fn run(setting: &Setting) -> anyhow::Result<Evidence> {
+    let effort = setting.effort;
     let legs = effort.choose(20, 100);
     let path: Vec<f64> = TURNS
         .windows(2)
