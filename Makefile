@@ -4,7 +4,7 @@ CARGO ?= cargo
 JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 SNOWLAB = $(CARGO) run --locked --release --quiet --bin snowlab --
 
-.PHONY: help study pilot test check mutants bench report clean
+.PHONY: help study pilot verify test check mutants bench report clean
 
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -19,16 +19,20 @@ pilot: ## run the pilot that chose the study's speed; its table goes to results/
 	$(SNOWLAB) run studies/pilot.toml --jobs $(JOBS) || [ $$? -eq 3 ]
 	$(SNOWLAB) report studies/pilot.toml
 
+verify: ## show what the solver has been shown to do; docs/verification.md, tables and figures in results/verify
+	$(SNOWLAB) verify --page docs/verification.md
+
 test: ## build and run all tests
 	$(CARGO) test --locked --release --workspace
 
-check: ## formatting, lints, docs, and the smoke profile of the study within its ranges
+check: ## formatting, lints, docs, the smoke profile of the study within its ranges, the short form of the verification
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --locked --release --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --release --workspace --no-deps
 	$(SNOWLAB) run studies/placement.toml --profile smoke --jobs $(JOBS) --out target/smoke || [ $$? -eq 3 ]
 	$(SNOWLAB) report studies/placement.toml --profile smoke --out target/smoke
 	$(SNOWLAB) check studies/placement.toml --profile smoke --out target/smoke
+	$(SNOWLAB) verify --quick --out target/verify --page target/verify/page.md
 
 mutants: ## put known bugs into copies of the code and expect the tests to fail
 	tests/mutants/run
@@ -48,5 +52,5 @@ report: ## write the reports of the studies that have been run
 	done
 
 clean: ## delete the cases of all studies (tables, figures and reports stay) and the build
-	rm -rf results/*/cases
+	rm -rf results/*/cases results/*/*/cases
 	$(CARGO) clean

@@ -11,3 +11,4 @@ mod report;
 mod rollback;
 mod runner;
 mod statistics;
+mod verify;
