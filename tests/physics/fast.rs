@@ -4,6 +4,7 @@
 
 const ENGINE: snowlab_solver::Engine = snowlab_solver::Engine::Fast;
 
+mod body_forces;
 mod clamps;
 mod colliders;
 mod column;

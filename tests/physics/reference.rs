@@ -2,6 +2,7 @@
 
 const ENGINE: snowlab_solver::Engine = snowlab_solver::Engine::Reference;
 
+mod body_forces;
 mod colliders;
 mod column;
 mod conservation;

@@ -56,7 +56,7 @@ impl<'a> Panel<'a> {
     }
 }
 
-/// Draws panels above a common abscissa.
+/// Draws panels above a common abscissa: settings, with bars, on a logarithmic one; what goes on, such as time, on a linear one.
 pub fn chart(x_label: &str, x_scale: Scale, note: &str, panels: &[Panel]) -> anyhow::Result<Drawing> {
     let lines: Vec<Vec<Curve>> =
         panels.iter().map(|panel| panel.lines.iter().map(Line::curve).collect()).collect();
@@ -76,7 +76,7 @@ pub fn chart(x_label: &str, x_scale: Scale, note: &str, panels: &[Panel]) -> any
         x_label,
         x_scale,
         mark: None,
-        spread: Spread::Bars,
+        spread: if x_scale == Scale::Linear { Spread::Band } else { Spread::Bars },
         note,
         quantities: &quantities,
     })?)

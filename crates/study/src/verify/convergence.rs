@@ -92,19 +92,19 @@ const PATHS: [RefinementPath; 4] = [
     },
     RefinementPath {
         name: "particles",
-        refined: "particles per cell at h = 10.2 mm, random",
+        refined: "particles per cell at h = 7.2 mm, random",
         arms: &[
             ("particles-1", 1.0),
             ("particles-2", 2.0),
-            ("random-grid-2", 4.0),
+            ("random-grid-3", 4.0),
             ("particles-8", 8.0),
             ("particles-16", 16.0),
         ],
     },
     RefinementPath {
         name: "step",
-        refined: "wave Courant number at h = 10.2 mm and 4 particles per cell, random",
-        arms: &[("random-grid-2", 0.75), ("step-half", 0.375), ("step-quarter", 0.1875)],
+        refined: "wave Courant number at h = 7.2 mm and 2 particles per cell, random",
+        arms: &[("particles-2", 0.75), ("step-half", 0.375), ("step-quarter", 0.1875)],
     },
 ];
 
@@ -165,11 +165,17 @@ pub fn run(setting: &Setting) -> anyhow::Result<Evidence> {
             figure(
                 &arms,
                 "convergence-particles",
-                "Particles are added at one grid, h = 10.2 mm, random placement.",
+                "Particles are added at one grid, h = 7.2 mm, random placement.",
                 &[2],
                 "particles per cell",
             )?,
-            figure(&arms, "convergence-step", "The step is shortened.", &[3], "wave Courant number")?,
+            figure(
+                &arms,
+                "convergence-step",
+                "The step is shortened, at h = 7.2 mm and 2 particles per cell.",
+                &[3],
+                "wave Courant number",
+            )?,
         ],
         checks: vec![Check {
             quantity: "cases that stopped, or could not be measured".into(),
@@ -249,6 +255,7 @@ fn refinements_table(arms: &Arms) -> Table {
             let found = last_refinement(arms, path, quantity);
             let words = match &found {
                 None => "not told by so few seeds",
+                Some(found) if found.interval == [0.0, 0.0] => "the same on both levels",
                 Some(found) if found.interval[0] <= 0.0 && 0.0 <= found.interval[1] => "not seen to move",
                 Some(_) => "still moves",
             };
