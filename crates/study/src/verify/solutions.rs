@@ -35,7 +35,7 @@ pub struct StandingWaves {
 impl StandingWaves {
     /// sin(c pi t + k pi).
     fn swing(&self, axis: usize, time: f64) -> f64 {
-        let sign = if axis % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if axis.is_multiple_of(2) { 1.0 } else { -1.0 };
         sign * libm::sin(self.speed * PI * time)
     }
 }
