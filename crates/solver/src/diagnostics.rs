@@ -1,7 +1,6 @@
 //! Energies and momenta of a state, for the watchdog and for records.
 
 use crate::geometry::{Matrix, Vector, is_zero};
-use crate::kernel::{Cubic, Kernel, KernelKind, Quadratic};
 use crate::material::ConstitutiveModel;
 use crate::math::norm_squared;
 use crate::particles::{ParticleConstants, ParticleMotion};
@@ -37,10 +36,7 @@ pub fn kinetic_energy<T: Real, const D: usize>(
 ) -> f64 {
     let linear: f64 =
         motion.velocity.iter().zip(&constants.mass).map(|(v, &m)| (v.norm_squared() * m).as_f64()).sum();
-    let inverse_inertia = match scene.kernel {
-        KernelKind::Cubic => Cubic::INVERSE_INERTIA,
-        KernelKind::Quadratic => Quadratic::INVERSE_INERTIA,
-    };
+    let inverse_inertia = scene.kernel.inverse_inertia();
     let h = scene.spacing.as_f64();
     let affine: f64 =
         motion.affine.iter().zip(&constants.mass).map(|(c, &m)| (norm_squared(c) * m).as_f64()).sum();
@@ -87,11 +83,7 @@ pub fn linear_momentum<T: Real, const D: usize>(state: &State<T, D>) -> Vector<f
 /// sum m (x v^T - v x^T), plus APIC's affine part: the angular momentum about the local origin as a skew matrix [kg m^2/s]; in 2D its
 /// (0, 1) entry is the scalar x v_y - y v_x (Jiang et al. 2015, section 5.3.1).
 pub fn angular_momentum<T: Real, const D: usize>(scene: &Scene<T, D>, state: &State<T, D>) -> Matrix<f64, D> {
-    let inverse_inertia = match scene.kernel {
-        KernelKind::Cubic => Cubic::INVERSE_INERTIA,
-        KernelKind::Quadratic => Quadratic::INVERSE_INERTIA,
-    };
-    let inertia = scene.spacing.as_f64().powi(2) / inverse_inertia;
+    let inertia = scene.spacing.as_f64().powi(2) / scene.kernel.inverse_inertia();
     let mut sum = Matrix::<f64, D>::zeros();
     for p in 0..state.len() {
         let mass = state.constants.mass[p].as_f64();

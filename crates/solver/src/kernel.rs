@@ -21,6 +21,24 @@ pub enum KernelKind {
     Quadratic,
 }
 
+impl KernelKind {
+    /// D^-1 h^2 of the kernel, see [`Kernel::INVERSE_INERTIA`].
+    pub fn inverse_inertia(self) -> f64 {
+        match self {
+            KernelKind::Cubic => Cubic::INVERSE_INERTIA,
+            KernelKind::Quadratic => Quadratic::INVERSE_INERTIA,
+        }
+    }
+
+    /// The bound on the grid's frequency, see [`Kernel::GRADIENT_BOUND`].
+    pub fn gradient_bound(self) -> f64 {
+        match self {
+            KernelKind::Cubic => Cubic::GRADIENT_BOUND,
+            KernelKind::Quadratic => Quadratic::GRADIENT_BOUND,
+        }
+    }
+}
+
 /// A kernel as a type, so that loops over its nodes have a length known to the compiler.
 pub trait Kernel: Copy + Default + Send + Sync + 'static {
     /// Nodes reached on each axis.

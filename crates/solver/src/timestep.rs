@@ -1,7 +1,7 @@
 //! How long a step may be.
 
 use crate::geometry::Vector;
-use crate::kernel::{Cubic, Kernel, KernelKind, Quadratic};
+use crate::kernel::KernelKind;
 use crate::material::ConstitutiveModel;
 use crate::real::Real;
 use crate::scene::{Scene, StepLength, Transfer};
@@ -11,10 +11,7 @@ use crate::state::State;
 /// c_p^2 = (2 mu + D lambda) V / m. 2 / sqrt(2 g - k): g = max sum_i |dw/dx|^2 / w on one axis bounds the grid's frequency, k is the
 /// part of g that the particle's affine velocity keeps from one step to the next. Derived and measured in docs/stability.md.
 pub fn wave_limit(kernel: KernelKind, transfer: Transfer) -> f64 {
-    let (bound, inverse_inertia) = match kernel {
-        KernelKind::Cubic => (Cubic::GRADIENT_BOUND, Cubic::INVERSE_INERTIA),
-        KernelKind::Quadratic => (Quadratic::GRADIENT_BOUND, Quadratic::INVERSE_INERTIA),
-    };
+    let (bound, inverse_inertia) = (kernel.gradient_bound(), kernel.inverse_inertia());
     let (greatest, kept) = match transfer {
         Transfer::Flip(_) => (bound, 0.0),
         Transfer::Apic => (bound, inverse_inertia),

@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use snowlab_solver::collision::{Collider, Contact};
 use snowlab_solver::geometry::{Matrix, Shape, Vector, unit};
-use snowlab_solver::kernel::{Cubic, Kernel, Quadratic};
 use snowlab_solver::{
     Advection, Elastic, Engine, FlipShare, InitialParticle, KernelKind, Lame, Material, Real, Scene, Snow,
     State, StepLength, TimeStepControl, Transfer,
@@ -141,11 +140,7 @@ pub fn body_motion(scene: &Scene<f64, 2>, state: &State<f64, 2>, ids: Range<u32>
         own.iter().fold(Vector::<f64, 2>::zeros(), |sum, &p| sum + field[p] * (mass[p] / total))
     };
     let (centre, drift) = (mean(position), mean(velocity));
-    let inverse_inertia = match scene.kernel {
-        KernelKind::Cubic => Cubic::INVERSE_INERTIA,
-        KernelKind::Quadratic => Quadratic::INVERSE_INERTIA,
-    };
-    let of_affine = scene.spacing * scene.spacing / inverse_inertia;
+    let of_affine = scene.spacing * scene.spacing / scene.kernel.inverse_inertia();
     let (mut angular, mut inertia) = (0.0, 0.0);
     for &p in &own {
         let (x, v) = (position[p] - centre, velocity[p] - drift);

@@ -15,7 +15,6 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 use snowlab_solver::collision::Contact;
 use snowlab_solver::geometry::Vector;
-use snowlab_solver::kernel::{Cubic, Kernel, Quadratic};
 use snowlab_solver::{KernelKind, Simulation, State, Transfer};
 
 use super::Setting;
@@ -132,10 +131,7 @@ impl Run {
     fn predicted(&self) -> (f64, f64) {
         let (k, h) = (PI / LENGTH, LENGTH / self.cells as f64);
         let (w, slope) = transform(self.kernel, k * h);
-        let inverse_inertia = match self.kernel {
-            KernelKind::Cubic => Cubic::INVERSE_INERTIA,
-            KernelKind::Quadratic => Quadratic::INVERSE_INERTIA,
-        };
+        let inverse_inertia = self.kernel.inverse_inertia();
         let affine = 1.0 - w * w - inverse_inertia * slope * slope;
         let (wave, kept) = match self.transfer {
             Transfer::Flip(share) => (k * w * w, (1.0 - share.of_step(self.dt)) * (1.0 - w * w)),
