@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, UndefinedBehavior, Value, context};
 
-use super::Found;
 use super::evidence::{Check, Evidence};
+use super::{EXPERIMENTS, Found};
 use crate::table::{Cell, Table};
 
 const PAGE: &str = include_str!("pages/page.md.jinja");
@@ -32,7 +32,8 @@ pub(super) fn page(found: &[Found], results: &str) -> anyhow::Result<String> {
     }
     let checks: Vec<&Check> = found.iter().flat_map(|(_, evidence)| &evidence.checks).collect();
     let failed = checks.iter().filter(|check| !check.holds()).count();
-    Ok(engine.render_str(PAGE, context! { sections, results, checks => checks.len(), failed })?)
+    let whole = found.len() == EXPERIMENTS.len();
+    Ok(engine.render_str(PAGE, context! { sections, results, checks => checks.len(), failed, whole })?)
 }
 
 /// Rows of all tables by name, as maps from column to value.
