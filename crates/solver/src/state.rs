@@ -120,6 +120,7 @@ impl<T: Real, const D: usize> State<T, D> {
         let (motion, constants, particles) = (&self.motion, &self.constants, self.len());
         let affine = if scene.transfer.keeps_affine() { particles } else { 0 };
         let clamped = if scene.bounds_plastic_ratio() { particles } else { 0 };
+        let accelerated = if self.body_acceleration.is_empty() { 0 } else { particles };
         for (field, found, expected) in [
             ("velocity", motion.velocity.len(), particles),
             ("affine", motion.affine.len(), affine),
@@ -127,11 +128,7 @@ impl<T: Real, const D: usize> State<T, D> {
             ("plastic_ratio", motion.plastic_ratio.len(), particles),
             ("stiffness", motion.stiffness.len(), particles),
             ("clamped", motion.clamped.len(), clamped),
-            (
-                "body_acceleration",
-                self.body_acceleration.len(),
-                if self.body_acceleration.is_empty() { 0 } else { particles },
-            ),
+            ("body_acceleration", self.body_acceleration.len(), accelerated),
             ("mass", constants.mass.len(), particles),
             ("volume", constants.volume.len(), particles),
             ("stiffness_scale", constants.stiffness_scale.len(), particles),
