@@ -12,8 +12,8 @@ use super::Setting;
 use super::chart::{Line, Panel, chart};
 use super::evidence::{Check, Evidence, EvidenceFigure};
 use super::scenes::{
-    DENSITY, KERNELS, TRANSFERS, elastic, kernel_name, lattice, observed_order, scene, transfer_name, wall,
-    wave_speed,
+    DENSITY, GRAVITY, KERNELS, TRANSFERS, elastic, kernel_name, lattice, observed_order, scene,
+    transfer_name, wall, wave_speed,
 };
 use crate::figure::axis::Scale;
 use crate::table::{Row, Table};
@@ -22,7 +22,6 @@ use crate::table::{Row, Table};
 const HEIGHT: f64 = 0.2;
 /// Width in cells: that of the cubic kernel's support.
 const WIDTH: usize = 4;
-const GRAVITY: f64 = 9.81;
 /// Periods of the slowest vibration, 4 H / c, watched; the first half is not counted.
 const PERIODS: f64 = 20.0;
 
@@ -149,7 +148,7 @@ fn order(runs: &[Run]) -> f64 {
 }
 
 /// Mls with the quadratic kernel is exempt from the order: beneath a mirrored floor its error stays where it is, at 1.4e-4 of the top's
-/// displacement, in a motion of particles against each other that its gradient, C, does not see.
+/// displacement, while the top itself converges; why is not known.
 fn checks(runs: &[Run]) -> Vec<Check> {
     let finest = &runs[runs.len() - 1];
     let mirrored = finest.floor == Contact::Mirror;

@@ -27,9 +27,8 @@ struct Run {
     cells: usize,
     /// Time [ms], velocity of the right disc [m/s], and energies of both [J/m]: kinetic, elastic, lost in transfers.
     history: Vec<[f64; 5]>,
-    /// Largest momentum of both, and largest difference of their speeds, over that of one at the start.
+    /// Largest momentum of both over that of one at the start.
     momentum: f64,
-    asymmetry: f64,
 }
 
 impl Run {
@@ -43,7 +42,7 @@ impl Run {
         let bodies = [right, disc(h, -centre, RADIUS, -velocity)].concat();
         let state = State::at_rest(&scene, Vector::zeros(), &bodies)?;
         let mut simulation = Simulation::new(scene, state)?;
-        let mut run = Run { transfer, cells, history: Vec::new(), momentum: 0.0, asymmetry: 0.0 };
+        let mut run = Run { transfer, cells, history: Vec::new(), momentum: 0.0 };
         for frame in 0..=300 {
             simulation.advance_to(END * f64::from(frame) / 300.0)?;
             let (scene, state) = (simulation.scene(), simulation.state());
@@ -51,7 +50,6 @@ impl Run {
                 (body_motion(scene, state, 0..each), body_motion(scene, state, each..2 * each));
             let sum = (right.velocity + left.velocity).norm() / SPEED;
             run.momentum = run.momentum.max(sum);
-            run.asymmetry = run.asymmetry.max((right.velocity[0] + left.velocity[0]).abs() / SPEED);
             let energies = energies(scene, state);
             let ledger = &state.ledger;
             run.history.push([
@@ -175,7 +173,6 @@ fn table(runs: &[Run]) -> Table {
         row.put("transfer", "-", "velocity transfer", transfer_name(run.transfer))
             .count("cells", "cells to a radius", run.cells as u64)
             .number("momentum", "-", "largest momentum of both over that of one at the start", run.momentum)
-            .number("asymmetry", "-", "largest difference of speeds over that at the start", run.asymmetry)
             .number("restitution", "-", "speed apart over speed together", run.restitution())
             .number("energy", "-", "energy at the end over that at the start", run.kept())
             .number(

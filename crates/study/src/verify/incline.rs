@@ -8,7 +8,7 @@ use snowlab_solver::{KernelKind, Simulation, State, Transfer};
 use super::Setting;
 use super::chart::{Line, Panel, chart};
 use super::evidence::{Check, Evidence, EvidenceFigure};
-use super::scenes::{TRANSFERS, body_motion, elastic, lattice, scene, transfer_name};
+use super::scenes::{GRAVITY, TRANSFERS, body_motion, elastic, lattice, scene, transfer_name};
 use crate::figure::axis::Scale;
 use crate::table::{Row, Table};
 
@@ -22,7 +22,6 @@ const SPEED: f64 = 1.0;
 const BLOCK: [f64; 2] = [0.4, 0.1];
 /// How long it is watched [s].
 const END: f64 = 0.5;
-const GRAVITY: f64 = 9.81;
 /// Stiffness over that of snow: nearly rigid, for a soft block that rubs hard sticks and slips in turn (at 100 times snow's, mu = 1.2, it
 /// stops 1 % early).
 const STIFFNESS: f64 = 400.0;

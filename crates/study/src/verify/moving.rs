@@ -8,7 +8,7 @@ use snowlab_solver::{KernelKind, Simulation, State, Transfer};
 use super::Setting;
 use super::chart::{Line, Panel, chart};
 use super::evidence::{Check, Effort, Evidence, EvidenceFigure};
-use super::scenes::{TRANSFERS, body_motion, disc, elastic, scene, transfer_name, wall};
+use super::scenes::{GRAVITY, TRANSFERS, body_motion, disc, elastic, scene, transfer_name, wall};
 use crate::figure::axis::Scale;
 use crate::table::{Row, Table};
 
@@ -21,7 +21,6 @@ const FLOORS: [f64; 3] = [0.0, 0.5, 1.0];
 /// Speed of the belt [m/s], and its friction.
 const BELT: f64 = 1.0;
 const FRICTION: f64 = 0.3;
-const GRAVITY: f64 = 9.81;
 /// How long the bounce is watched [s], and the ball on the belt: twice the time it slips.
 const BOUNCE: f64 = 0.1;
 const ROLL: f64 = 0.25;

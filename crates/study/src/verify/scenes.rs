@@ -28,6 +28,9 @@ pub fn wave_speed() -> f64 {
     ((lambda + 2.0 * mu) / DENSITY).sqrt()
 }
 
+/// Acceleration of gravity where a scene has any [m/s^2]: the standard value, rounded.
+pub const GRAVITY: f64 = 9.81;
+
 /// S13's snow.
 pub fn snow<T: Real>() -> Material<T> {
     Material::Snow(Snow {
@@ -206,10 +209,10 @@ pub fn observed_order(points: &[(f64, f64)]) -> f64 {
     top / bottom
 }
 
-/// FLIP's share as a rate: a share per step would damp the more, the shorter the step.
-pub fn rate_form(transfer: Transfer) -> Transfer {
+/// FLIP's share of 0.95 as a rate, for steps of `reference_step` [s]: a share per step would damp the more, the shorter the step.
+pub fn rate_form(transfer: Transfer, reference_step: f64) -> Transfer {
     match transfer {
-        Transfer::Flip(_) => Transfer::Flip(FlipShare::Rate { share: 0.95, reference_step: 1e-5 }),
+        Transfer::Flip(_) => Transfer::Flip(FlipShare::Rate { share: 0.95, reference_step }),
         other => other,
     }
 }
