@@ -130,6 +130,12 @@ impl<'a> Arms<'a> {
         usable.map(|case| (case.case.block, (quantity.of)(case))).filter(|(_, v)| v.is_finite()).collect()
     }
 
+    /// Cases whose largest fragment has come to rest.
+    fn settled(&self, arm: &str) -> u64 {
+        let cases = self.0.get(arm).into_iter().flatten();
+        cases.filter(|case| case.metrics.as_ref().is_some_and(|metrics| metrics.settled)).count() as u64
+    }
+
     /// The levels of a path that were run.
     fn levels(&self, path: &RefinementPath) -> Vec<(&'static str, f64)> {
         path.arms.iter().filter(|(arm, _)| self.0.contains_key(arm)).copied().collect()
@@ -187,7 +193,7 @@ pub fn run(setting: &Setting) -> anyhow::Result<Evidence> {
     })
 }
 
-/// Particles over spacing squared, which the work of a case goes with.
+/// Particles over spacing and Courant number, which the work of a case goes with.
 fn work(study: &Study, index: usize) -> f64 {
     let scene = &study.cases[index].scene;
     let count = scene.body[0].placement.count().unwrap_or(0) as f64;
@@ -203,7 +209,12 @@ fn levels_table(arms: &Arms) -> Table {
             row.put("path", "-", "what is refined", path.name)
                 .number("level", "-", "h [mm], particles per cell, or wave Courant number", level)
                 .put("arm", "-", "arm of studies/convergence.toml", arm)
-                .count("blocks", "seeds", arms.values(arm, &QUANTITIES[0]).len() as u64);
+                .count("blocks", "seeds", arms.values(arm, &QUANTITIES[0]).len() as u64)
+                .count(
+                    "settled",
+                    "of them, those whose largest fragment no longer changes",
+                    arms.settled(arm),
+                );
             for quantity in &QUANTITIES {
                 let values: Vec<f64> = arms.values(arm, quantity).into_values().collect();
                 let deviation = format!("{}_deviation", quantity.name);
