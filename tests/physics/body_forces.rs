@@ -17,6 +17,7 @@ fn pushed<T: Real, const D: usize>(
         kernel,
         transfer,
         time_step: fixed(1e-4),
+        energy_budget: true,
         gravity: gravity.map(T::of),
         ..elastic_scene::<T, D>(0.05)
     };

@@ -40,6 +40,7 @@ fn deep(
         transfer: flat.transfer,
         kernel: flat.kernel,
         time_step: flat.time_step,
+        energy_budget: flat.energy_budget,
         gravity: lift(flat.gravity),
         ..scene::<f64, 3>(H)
     };

@@ -87,6 +87,7 @@ pub fn scene<T: Real, const D: usize>(spacing: f64) -> Scene<T, D> {
         colliders: Vec::new(),
         gravity: Vector::zeros(),
         time_step: TimeStepControl::default(),
+        energy_budget: true,
     }
 }
 

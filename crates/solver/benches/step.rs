@@ -121,6 +121,7 @@ fn ball<T: Real, const D: usize>(case: &Case, engine: Engine, gap: f64) -> Simul
         }],
         gravity: unit::<T, D>(1) * T::of(-9.81),
         time_step: TimeStepControl::default(),
+        energy_budget: false,
     };
     let particles: Vec<_> = evenly_spread::<D>()
         .take(case.particles)

@@ -2,7 +2,7 @@
 
 use crate::error::SceneError;
 use crate::geometry::{Shape, Vector, is_zero};
-use crate::grid::Grid;
+use crate::grid::{Grid, NodeMotion};
 use crate::ledger::{StepLedger, impulse_energy};
 use crate::particles::{ParticleConstants, ParticleMotion};
 use crate::real::Real;
@@ -118,37 +118,47 @@ pub(crate) fn collide_grid<T: Real, const D: usize>(
     empty: T,
     ledger: &mut StepLedger<D>,
 ) {
-    let obstacles = || scene.colliders.iter().enumerate().filter(|(_, c)| c.contact != Contact::Mirror);
-    if obstacles().next().is_none() {
+    if scene.colliders.iter().all(|c| c.contact == Contact::Mirror) {
         return;
     }
     for index in 0..grid.node_count() {
         let mass = grid.sums[index].mass;
-        if mass <= empty {
+        if mass > empty {
+            let x = grid.position(index);
+            collide_node(scene, &x, mass, &mut grid.motion[index], time, ledger);
+        }
+    }
+}
+
+/// Obstacles act on a node at `x` [m].
+pub(crate) fn collide_node<T: Real, const D: usize>(
+    scene: &Scene<T, D>,
+    x: &Vector<T, D>,
+    mass: T,
+    motion: &mut NodeMotion<T, D>,
+    time: f64,
+    ledger: &mut StepLedger<D>,
+) {
+    let by_forces = motion.change;
+    let mut touched = false;
+    for (number, collider) in scene.colliders.iter().enumerate().filter(|(_, c)| c.contact != Contact::Mirror)
+    {
+        let Some(velocity) = collider.respond(x, &motion.velocity, time) else { continue };
+        let change = velocity - motion.velocity;
+        if is_zero(&change) {
             continue;
         }
-        let x = grid.position(index);
-        let motion = &mut grid.motion[index];
-        let by_forces = motion.change;
-        let mut touched = false;
-        for (number, collider) in obstacles() {
-            let Some(velocity) = collider.respond(&x, &motion.velocity, time) else { continue };
-            let change = velocity - motion.velocity;
-            if is_zero(&change) {
-                continue;
-            }
-            let momentum = change * mass;
-            let mut energy = impulse_energy(&momentum, &motion.velocity, &velocity)
-                - impulse_energy(&momentum, &by_forces, &by_forces);
-            if !touched {
-                let impulse = by_forces * mass;
-                energy -= impulse_energy(&impulse, &by_forces, &Vector::zeros());
-                touched = true;
-            }
-            ledger.push(number, &momentum, energy);
-            motion.velocity = velocity;
-            motion.change += change;
+        let momentum = change * mass;
+        let mut energy = impulse_energy(&momentum, &motion.velocity, &velocity)
+            - impulse_energy(&momentum, &by_forces, &by_forces);
+        if !touched {
+            let impulse = by_forces * mass;
+            energy -= impulse_energy(&impulse, &by_forces, &Vector::zeros());
+            touched = true;
         }
+        ledger.push(number, &momentum, energy);
+        motion.velocity = velocity;
+        motion.change += change;
     }
 }
 
@@ -171,23 +181,39 @@ pub(crate) fn collide_particles<T: Real, const D: usize>(
     interval: Interval<T>,
     ledger: &mut StepLedger<D>,
 ) {
+    if scene.colliders.is_empty() {
+        return;
+    }
+    for p in 0..position.len() {
+        let (kept, mover) = (&mut next.velocity[p], &mut advecting[p]);
+        collide_particle(scene, constants.mass[p], &position[p], kept, mover, interval, ledger);
+    }
+}
+
+/// Obstacles act on a particle that was at `x` [m]: on the velocity it keeps and on the one that moves it.
+pub(crate) fn collide_particle<T: Real, const D: usize>(
+    scene: &Scene<T, D>,
+    mass: T,
+    x: &Vector<T, D>,
+    kept: &mut Vector<T, D>,
+    advecting: &mut Vector<T, D>,
+    interval: Interval<T>,
+    ledger: &mut StepLedger<D>,
+) {
     let Interval { arrival, dt } = interval;
     for (number, collider) in scene.colliders.iter().enumerate() {
-        for p in 0..position.len() {
-            let target = position[p] + advecting[p] * dt;
-            let place = target - collider.velocity * T::of(arrival);
-            if collider.shape.is_far_from(&place) || collider.shape.surface(&place).distance > T::zero() {
-                continue;
-            }
-            if let Some(velocity) = collider.respond(&target, &next.velocity[p], arrival) {
-                let change = velocity - next.velocity[p];
-                let momentum = change * constants.mass[p];
-                ledger.push(number, &momentum, impulse_energy(&momentum, &next.velocity[p], &velocity));
-                next.velocity[p] = velocity;
-            }
-            if let Some(velocity) = collider.respond(&target, &advecting[p], arrival) {
-                advecting[p] = velocity;
-            }
+        let target = x + *advecting * dt;
+        let place = target - collider.velocity * T::of(arrival);
+        if collider.shape.is_far_from(&place) || collider.shape.surface(&place).distance > T::zero() {
+            continue;
+        }
+        if let Some(velocity) = collider.respond(&target, kept, arrival) {
+            let momentum = (velocity - *kept) * mass;
+            ledger.push(number, &momentum, impulse_energy(&momentum, kept, &velocity));
+            *kept = velocity;
+        }
+        if let Some(velocity) = collider.respond(&target, advecting, arrival) {
+            *advecting = velocity;
         }
     }
 }

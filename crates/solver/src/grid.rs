@@ -53,6 +53,48 @@ impl<T: Real, const D: usize> NodeMotion<T, D> {
     }
 }
 
+/// The nodes of a grid, by their index in store, as contact and mirrors see them.
+pub(crate) trait Nodes<T: Real, const D: usize> {
+    /// The number of nodes stored.
+    fn node_count(&self) -> usize;
+    /// Integer coordinates of a node.
+    fn coordinates(&self, index: usize) -> [i32; D];
+    /// The node at `coordinates`, where it is stored.
+    fn find(&self, coordinates: [i32; D]) -> Option<usize>;
+    /// What particles gave a node.
+    fn sums(&self, index: usize) -> NodeSums<T, D>;
+    /// Sets what particles gave a node.
+    fn set_sums(&mut self, index: usize, sums: &NodeSums<T, D>);
+    /// What a node hands back.
+    fn motion(&self, index: usize) -> NodeMotion<T, D>;
+    /// Sets what a node hands back.
+    fn set_motion(&mut self, index: usize, motion: &NodeMotion<T, D>);
+}
+
+impl<T: Real, const D: usize> Nodes<T, D> for Grid<T, D> {
+    fn node_count(&self) -> usize {
+        self.sums.len()
+    }
+    fn coordinates(&self, index: usize) -> [i32; D] {
+        Grid::coordinates(self, index)
+    }
+    fn find(&self, coordinates: [i32; D]) -> Option<usize> {
+        Grid::find(self, coordinates)
+    }
+    fn sums(&self, index: usize) -> NodeSums<T, D> {
+        self.sums[index]
+    }
+    fn set_sums(&mut self, index: usize, sums: &NodeSums<T, D>) {
+        self.sums[index] = *sums;
+    }
+    fn motion(&self, index: usize) -> NodeMotion<T, D> {
+        self.motion[index]
+    }
+    fn set_motion(&mut self, index: usize, motion: &NodeMotion<T, D>) {
+        self.motion[index] = *motion;
+    }
+}
+
 /// Where a block is stored.
 #[derive(Clone, Copy, Debug, Default)]
 struct BlockPlace {
@@ -220,18 +262,6 @@ impl<T: Real, const D: usize> Grid<T, D> {
     pub fn anchor(&self, p: usize) -> Anchor<D> {
         let (block, local) = self.homes[p];
         Anchor { blocks: self.neighbours[block as usize], local: local.map(usize::from) }
-    }
-
-    /// The block in which particle `p`'s stencil begins, and the stencil's first node within it.
-    #[inline(always)]
-    pub(crate) fn home(&self, p: usize) -> (u32, [u8; D]) {
-        self.homes[p]
-    }
-
-    /// The place of a stencil that begins at the first node of a block.
-    #[inline(always)]
-    pub(crate) fn block_anchor(&self, block: u32) -> Anchor<D> {
-        Anchor { blocks: self.neighbours[block as usize], local: [0; D] }
     }
 
     /// The number of nodes stored.

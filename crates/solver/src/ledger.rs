@@ -103,6 +103,14 @@ impl<const D: usize> StepLedger<D> {
         entry.loss -= energy;
     }
 
+    /// Adds what obstacles did in a part of the scene.
+    pub(crate) fn add_contact(&mut self, part: &StepLedger<D>) {
+        for (total, entry) in self.colliders.iter_mut().zip(&part.colliders) {
+            total.impulse += entry.impulse;
+            total.loss += entry.loss;
+        }
+    }
+
     /// Energy that the material lost to obstacles so far in this step [J].
     pub(crate) fn contact_loss(&self) -> f64 {
         self.colliders.iter().map(|c| c.loss).sum()
@@ -126,7 +134,8 @@ impl<const D: usize> Ledger<D> {
     }
 
     /// Adds an accepted step. `velocities` are the obstacles'.
-    pub(crate) fn add(&mut self, step: &StepLedger<D>, velocities: &[Vector<f64, D>]) {
+    /// Without `energies` those of transfers and contacts are not known any more.
+    pub(crate) fn add(&mut self, step: &StepLedger<D>, velocities: &[Vector<f64, D>], energies: bool) {
         for ((total, entry), velocity) in self.colliders.iter_mut().zip(&step.colliders).zip(velocities) {
             let work = -entry.impulse.dot(velocity);
             total.impulse += entry.impulse;
@@ -137,6 +146,10 @@ impl<const D: usize> Ledger<D> {
         self.particles_to_grid_loss += step.kinetic_particles_before - step.kinetic_grid_before;
         self.grid_to_particles_loss +=
             step.kinetic_grid_after - step.kinetic_particles_after - step.particle_contact_loss;
+        if !energies {
+            (self.particles_to_grid_loss, self.grid_to_particles_loss) = (f64::NAN, f64::NAN);
+            self.colliders.iter_mut().for_each(|collider| collider.loss = f64::NAN);
+        }
         self.plastic_loss += step.plastic_loss;
         self.dropped_mass = self.dropped_mass.max(step.dropped_mass);
         self.clamps += step.clamps;

@@ -5,7 +5,7 @@
 use crate::collision::{Contact, MirrorPlane};
 use crate::error::SceneError;
 use crate::geometry::{Vector, unit};
-use crate::grid::{Grid, NodeMotion, NodeSums};
+use crate::grid::{NodeMotion, NodeSums, Nodes};
 use crate::ledger::{StepLedger, impulse_energy};
 use crate::real::Real;
 use crate::scene::Scene;
@@ -33,7 +33,7 @@ pub(crate) fn planes<T: Real, const D: usize>(
 /// since a mirror one cell away folds onto them.
 pub(crate) fn fold<T: Real, const D: usize>(
     planes: &[(usize, MirrorPlane)],
-    grid: &mut Grid<T, D>,
+    grid: &mut impl Nodes<T, D>,
     gravity: &Vector<T, D>,
     folds: &mut Vec<Fold<T, D>>,
 ) {
@@ -45,18 +45,20 @@ pub(crate) fn fold<T: Real, const D: usize>(
                 let above = image[plane.axis] - plane.node;
                 let depth = if plane.material_above { -above } else { above };
                 let concerned = if beyond { depth > 0 } else { depth == 0 };
-                if !concerned || grid.sums[outer].mass == T::zero() {
+                if !concerned || grid.sums(outer).mass == T::zero() {
                     continue;
                 }
                 image[plane.axis] = plane.node - above;
                 // A stencil that begins within the material holds the image of each of its nodes beyond the plane.
                 let Some(inner) = grid.find(image) else { continue };
-                let (own_outer, own_inner) = (grid.sums[outer], grid.sums[inner]);
+                let (own_outer, own_inner) = (grid.sums(outer), grid.sums(inner));
                 folds.push(Fold { outer, inner, own_outer, own_inner, axis: plane.axis, collider });
                 if beyond {
                     fold_onto(grid, outer, inner, plane.axis, gravity);
                 } else {
-                    hold(&mut grid.sums[outer], plane.axis, gravity);
+                    let mut held = own_outer;
+                    hold(&mut held, plane.axis, gravity);
+                    grid.set_sums(outer, &held);
                 }
             }
         }
@@ -66,18 +68,18 @@ pub(crate) fn fold<T: Real, const D: usize>(
 /// Adds the image of node `outer` to node `inner`. The image falls the other way: its weight less that of its mass where it
 /// now lies is added to the force.
 fn fold_onto<T: Real, const D: usize>(
-    grid: &mut Grid<T, D>,
+    grid: &mut impl Nodes<T, D>,
     outer: usize,
     inner: usize,
     axis: usize,
     gravity: &Vector<T, D>,
 ) {
-    let own = grid.sums[outer];
-    let sums = &mut grid.sums[inner];
+    let (own, mut sums) = (grid.sums(outer), grid.sums(inner));
     sums.mass += own.mass;
     sums.momentum += reflect(&own.momentum, axis);
     sums.force += reflect(&own.force, axis) + (reflect(gravity, axis) - gravity) * own.mass;
-    grid.sums[outer] = NodeSums::empty();
+    grid.set_sums(inner, &sums);
+    grid.set_sums(outer, &NodeSums::empty());
 }
 
 /// Takes momentum and force along `axis` from a node on the plane, its weight included.
@@ -89,7 +91,7 @@ fn hold<T: Real, const D: usize>(sums: &mut NodeSums<T, D>, axis: usize, gravity
 /// Reflects the motion of folded nodes out again, restores their own sums, and books the mirror's impulse. `share` is the FLIP share a.
 pub(crate) fn unfold<T: Real, const D: usize>(
     folds: &[Fold<T, D>],
-    grid: &mut Grid<T, D>,
+    grid: &mut impl Nodes<T, D>,
     gravity: &Vector<T, D>,
     dt: T,
     share: T,
@@ -102,26 +104,27 @@ pub(crate) fn unfold<T: Real, const D: usize>(
     for fold in folds.iter().rev() {
         let axis = fold.axis;
         if fold.outer == fold.inner {
-            let motion = &mut grid.motion[fold.inner];
+            let mut motion = grid.motion(fold.inner);
             // Another obstacle may have pushed the node off the plane; the mirror takes that back.
             let pushed = unit::<T, D>(axis) * motion.velocity[axis];
             motion.velocity -= pushed;
             motion.change[axis] = T::zero();
             let taken = -pushed * fold.own_inner.mass;
             ledger.push(fold.collider, &taken, impulse_energy(&taken, &pushed, &still));
-            ledger.push(fold.collider, &gain(&fold.own_inner, motion, axis), 0.0);
+            ledger.push(fold.collider, &gain(&fold.own_inner, &motion, axis), 0.0);
+            grid.set_motion(fold.inner, &motion);
         } else {
-            let inner = grid.motion[fold.inner];
-            let outer = &mut grid.motion[fold.outer];
-            outer.velocity = reflect(&inner.velocity, axis);
-            outer.change = reflect(&inner.change, axis);
+            let inner = grid.motion(fold.inner);
+            let outer =
+                NodeMotion { velocity: reflect(&inner.velocity, axis), change: reflect(&inner.change, axis) };
+            grid.set_motion(fold.outer, &outer);
             // All that shares the inner node gains nothing together beyond its internal forces and gravity (and what other obstacles
             // book): what the image of the outer part gains, the rest loses. Seen from outside both gain the same.
-            let outside = gain(&fold.own_outer, outer, axis);
+            let outside = gain(&fold.own_outer, &outer, axis);
             ledger.push(fold.collider, &(outside + outside), 0.0);
         }
-        grid.sums[fold.inner] = fold.own_inner;
-        grid.sums[fold.outer] = fold.own_outer;
+        grid.set_sums(fold.inner, &fold.own_inner);
+        grid.set_sums(fold.outer, &fold.own_outer);
     }
 }
 

@@ -48,6 +48,14 @@ impl Transfer {
     pub fn keeps_affine(&self) -> bool {
         matches!(self, Transfer::Apic | Transfer::Mls)
     }
+
+    /// The FLIP share a of a step of `dt` [s], where the transfer has one.
+    pub fn flip_share(&self, dt: f64) -> Option<f64> {
+        match self {
+            Transfer::Flip(share) => Some(share.of_step(dt)),
+            Transfer::Apic | Transfer::Mls => None,
+        }
+    }
 }
 
 /// Who carries out the transfers between particles and grid.
@@ -139,6 +147,9 @@ pub struct Scene<T: Real, const D: usize> {
     pub gravity: Vector<T, D>,
     /// Step length and guards.
     pub time_step: TimeStepControl,
+    /// Whether every step books the energy lost in transfers and contacts. Where it does not, those entries of the ledger are NaN, and the fast
+    /// engine's affine transfers need half the sums on the nodes. FLIP keeps those sums in any case.
+    pub energy_budget: bool,
 }
 
 impl<T: Real, const D: usize> Scene<T, D> {

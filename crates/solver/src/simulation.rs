@@ -1,23 +1,29 @@
 //! A run: steps of adaptive length, rejected steps tried again, and the watchdog behind them.
 
-use crate::error::{SceneError, SimulationError};
+use std::sync::OnceLock;
+
+use crate::error::{Rejection, SceneError, SimulationError};
+use crate::ledger::StepLedger;
 use crate::real::Real;
 use crate::scene::{Scene, StepLength};
 use crate::sort::sort_by_block;
 use crate::state::State;
-use crate::step::{Workspace, kinetic_on_grid, step};
-use crate::timestep::{meet, step_length};
+use crate::step::{Workspace, accept, kinetic_on_grid, step};
+use crate::timestep::{meet, step_length, step_length_for};
 use crate::watchdog::{Check, Verdict, Watchdog};
 
-/// Particles are sorted anew after so many steps (chosen: sorting costs as much as a third of a step; in 16 steps few particles
-/// leave their block, and each that has left makes the fast engine change tiles twice).
+/// The reference engine's particles are sorted anew after so many steps (chosen: sorting costs as much as a third of a step; in 16 steps few
+/// particles leave their block).
 const SORT_INTERVAL: u64 = 16;
 
 /// A scene with its state and scratch memory.
 #[derive(Clone, Debug)]
 pub struct Simulation<T: Real, const D: usize> {
     scene: Scene<T, D>,
+    /// Without particles while the fast engine holds them.
     state: State<T, D>,
+    /// The whole state, made when somebody asks for it while the fast engine holds the particles.
+    seen: OnceLock<State<T, D>>,
     workspace: Workspace<T, D>,
     watchdog: Watchdog<T, D>,
 }
@@ -28,9 +34,17 @@ impl<T: Real, const D: usize> Simulation<T, D> {
     /// # Errors
     /// What [`Scene::validate`] and [`State::validate`] find.
     pub fn new(scene: Scene<T, D>, state: State<T, D>) -> Result<Self, SceneError> {
-        let workspace = Workspace::new(&scene, &state)?;
+        Self::with_threads(scene, state, 1)
+    }
+
+    /// As [`Simulation::new`], on so many threads; their number does not show in any bit of a result. The reference engine uses one.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn with_threads(scene: Scene<T, D>, state: State<T, D>, threads: usize) -> Result<Self, SceneError> {
+        let workspace = Workspace::with_threads(&scene, &state, threads)?;
         let watchdog = Watchdog::new(&scene, &state);
-        Ok(Simulation { scene, state, workspace, watchdog })
+        Ok(Simulation { scene, state, seen: OnceLock::new(), workspace, watchdog })
     }
 
     /// The scene.
@@ -40,19 +54,52 @@ impl<T: Real, const D: usize> Simulation<T, D> {
 
     /// The state now.
     pub fn state(&self) -> &State<T, D> {
-        &self.state
+        match &self.workspace.fast {
+            Some(fast) if fast.is_loaded() => self.seen.get_or_init(|| {
+                let mut state = self.state.clone();
+                fast.write(&self.scene, &mut state);
+                state
+            }),
+            _ => &self.state,
+        }
     }
 
     /// The state, to be changed between steps (for tests and prepared scenes).
     pub fn state_mut(&mut self) -> &mut State<T, D> {
+        self.unload();
         &mut self.state
     }
 
-    /// Advances to `time` [s], which is met exactly, in a state that the watchdog has accepted.
+    /// Takes the particles back from the fast engine.
+    fn unload(&mut self) {
+        if let Some(fast) = &mut self.workspace.fast
+            && fast.is_loaded()
+        {
+            match self.seen.take() {
+                Some(seen) => self.state = seen,
+                None => fast.write(&self.scene, &mut self.state),
+            }
+            fast.unload();
+        }
+    }
+
+    /// Hands the particles to the fast engine, where there is one.
+    fn load(&mut self) {
+        if let Some(fast) = &mut self.workspace.fast
+            && !fast.is_loaded()
+        {
+            fast.load(&self.scene, &self.state);
+            self.state.take_particles();
+        }
+    }
+
+    /// Advances to `time` [s], which is met exactly, in a state that the watchdog has accepted. It begins from the state as it would be saved, so
+    /// that a run that goes on from a saved state has the same bits.
     ///
     /// # Errors
     /// Where no smaller step helps; the state is then the last one accepted.
     pub fn advance_to(&mut self, time: f64) -> Result<(), SimulationError> {
+        self.unload();
         loop {
             while self.state.time < time {
                 self.advance_one(time)?;
@@ -73,9 +120,13 @@ impl<T: Real, const D: usize> Simulation<T, D> {
         if self.scene.time_step.watchdog_interval == 0 {
             return Ok(true);
         }
-        let kinetic = kinetic_on_grid(&self.scene, &self.state, &mut self.workspace);
-        let dt = step_length(&self.scene, &self.state);
-        self.watch(self.state.clone(), kinetic, dt, Check::Between)
+        self.load();
+        let kinetic = match &mut self.workspace.fast {
+            Some(fast) => fast.kinetic_on_grid(&self.scene),
+            None => kinetic_on_grid(&self.scene, &self.state, &mut self.workspace),
+        };
+        let dt = self.step_length();
+        self.watch(self.state().clone(), kinetic, dt, Check::Between)
     }
 
     /// Takes one step, not beyond `end` [s]. Where the watchdog, which looks every so many steps, refuses the state, the step
@@ -88,15 +139,16 @@ impl<T: Real, const D: usize> Simulation<T, D> {
         if self.state.steps >= control.max_steps {
             return Err(SimulationError::TooManySteps { steps: self.state.steps, time: self.state.time });
         }
-        if self.state.steps.is_multiple_of(SORT_INTERVAL) {
+        self.load();
+        if self.workspace.fast.is_none() && self.state.steps.is_multiple_of(SORT_INTERVAL) {
             sort_by_block(&self.scene, &mut self.state);
         }
         let checked =
             control.watchdog_interval > 0 && self.state.steps.is_multiple_of(control.watchdog_interval);
-        let candidate = checked.then(|| self.state.clone());
+        let candidate = checked.then(|| self.state().clone());
         let remaining = end - self.state.time;
-        let dt = meet(step_length(&self.scene, &self.state), remaining);
-        let kinetic = self.step_or_halve(dt)?;
+        let dt = meet(self.step_length(), remaining);
+        let kinetic = self.step_or_halve(dt, checked)?;
         // Additions of dt may miss the end by round-off: the last step ends there by definition.
         if dt == remaining && self.state.time != end && (self.state.time - end).abs() <= 1e-9 * dt {
             self.state.time = end;
@@ -107,13 +159,32 @@ impl<T: Real, const D: usize> Simulation<T, D> {
         }
     }
 
+    fn step_length(&self) -> f64 {
+        match &self.workspace.fast {
+            Some(fast) => step_length_for(&self.scene, self.state.step_factor, fast.fastest()),
+            None => step_length(&self.scene, &self.state),
+        }
+    }
+
+    /// With `energies` the ledger has the grid's kinetic energies, whether the scene wants them or not.
+    fn step(&mut self, dt: f64, energies: bool) -> Result<StepLedger<D>, Rejection> {
+        let Some(fast) = &mut self.workspace.fast else {
+            return step(&self.scene, &mut self.state, &mut self.workspace, dt);
+        };
+        let ledger = fast.step(&self.scene, self.state.time, dt, energies)?;
+        self.seen.take();
+        accept(&self.scene, &mut self.state, &ledger, dt);
+        Ok(ledger)
+    }
+
     /// Tries `dt`, then halves of it; the grid's kinetic energy at the beginning of the step [J].
-    fn step_or_halve(&mut self, dt: f64) -> Result<f64, SimulationError> {
+    fn step_or_halve(&mut self, dt: f64, energies: bool) -> Result<f64, SimulationError> {
         let mut tried = dt;
         for halvings in 0.. {
-            match step(&self.scene, &mut self.state, &mut self.workspace, tried) {
+            match self.step(tried, energies) {
                 Ok(ledger) => return Ok(ledger.kinetic_grid_before),
                 Err(rejection) => {
+                    self.seen.take();
                     self.state.ledger.rejected_steps += 1;
                     let fixed = matches!(self.scene.time_step.length, StepLength::Fixed(_));
                     if fixed || halvings == self.scene.time_step.max_rejections {
@@ -152,6 +223,7 @@ impl<T: Real, const D: usize> Simulation<T, D> {
         let rejected = self.state.ledger.rejected_steps;
         let factor = self.state.step_factor * 0.5;
         if let Some(accepted) = self.watchdog.go_back() {
+            self.unload();
             self.state = accepted;
         }
         self.state.ledger.watchdog_restores = restores;

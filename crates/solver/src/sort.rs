@@ -1,7 +1,6 @@
 //! Particles in the order of the grid's blocks, so that neighbours in space are neighbours in memory.
 
 use crate::grid::EDGE_BITS;
-use crate::particles::gather_in_order;
 use crate::real::Real;
 use crate::scene::Scene;
 use crate::state::State;
@@ -18,7 +17,5 @@ pub(crate) fn sort_by_block<T: Real, const D: usize>(scene: &Scene<T, D>, state:
     }
     keyed.sort_by_key(|&(block, node, _)| (block, node));
     let order: Vec<u32> = keyed.into_iter().map(|(_, _, p)| p).collect();
-    state.motion.reorder(&order);
-    state.constants.reorder(&order);
-    gather_in_order(&mut state.body_acceleration, &order);
+    state.reorder(&order);
 }

@@ -1,12 +1,14 @@
 //! What changes in a run.
 
+use std::collections::HashMap;
+
 use crate::error::SceneError;
 use crate::geometry::{Matrix, Vector};
 use crate::kernel::{Cubic, Kernel, KernelKind, Quadratic};
 use crate::ledger::Ledger;
 use crate::material::ConstitutiveModel;
 use crate::math::determinant;
-use crate::particles::{ParticleConstants, ParticleMotion};
+use crate::particles::{ParticleConstants, ParticleMotion, gather_in_order};
 use crate::real::Real;
 use crate::scene::Scene;
 use crate::stencil::Stencil;
@@ -141,6 +143,27 @@ impl<T: Real, const D: usize> State<T, D> {
             }
         }
         Ok(())
+    }
+
+    /// Puts the particles into the order of `ids`.
+    pub(crate) fn reorder_as(&mut self, ids: &[u32]) {
+        let places: HashMap<u32, u32> = self.constants.id.iter().copied().zip(0..).collect();
+        let order: Vec<u32> = ids.iter().map(|id| places[id]).collect();
+        self.reorder(&order);
+    }
+
+    /// Particle k becomes the one that was `order[k]`.
+    pub(crate) fn reorder(&mut self, order: &[u32]) {
+        self.motion.reorder(order);
+        self.constants.reorder(order);
+        gather_in_order(&mut self.body_acceleration, order);
+    }
+
+    /// Leaves all but the particles, which it returns the memory of.
+    pub(crate) fn take_particles(&mut self) {
+        self.motion = ParticleMotion::default();
+        self.constants = ParticleConstants::default();
+        self.body_acceleration = Vec::new();
     }
 
     /// Particles whose J_P ever met a bound.

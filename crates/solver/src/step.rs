@@ -4,6 +4,7 @@ use crate::collision::{Contact, Interval, MirrorPlane, collide_grid, collide_par
 use crate::deformation::{internal_stress, update_deformation};
 use crate::diagnostics::kinetic_energy;
 use crate::error::{Rejection, RejectionReason, SceneError};
+use crate::fast::Fast;
 use crate::geometry::{Matrix, Vector, is_zero};
 use crate::grid::Grid;
 use crate::ledger::StepLedger;
@@ -11,7 +12,7 @@ use crate::mirror::{self, Fold};
 use crate::momentum::{kinetic_of_motion, kinetic_of_sums, update_grid_velocity};
 use crate::particles::ParticleMotion;
 use crate::real::Real;
-use crate::scene::{Advection, Scene, Transfer};
+use crate::scene::{Advection, Engine, Scene};
 use crate::state::State;
 use crate::transfer::{
     Gathered, add_body_forces, grid_to_particles, particles_to_grid, place_stencils, transfer_velocity,
@@ -20,6 +21,8 @@ use crate::transfer::{
 /// Scratch memory with no meaning between steps.
 #[derive(Clone, Debug)]
 pub struct Workspace<T: Real, const D: usize> {
+    /// Where the scene asks for the fast engine and the CPU has what it takes.
+    pub(crate) fast: Option<Box<Fast<T, D>>>,
     pub(crate) grid: Grid<T, D>,
     stress: Vec<Matrix<T, D>>,
     gathered: Gathered<T, D>,
@@ -30,16 +33,33 @@ pub struct Workspace<T: Real, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Workspace<T, D> {
-    /// Scratch memory for `state` in `scene`.
+    /// Scratch memory for `state` in `scene`, for one thread.
     ///
     /// # Errors
     /// What [`Scene::validate`] and [`State::validate`] find.
     pub fn new(scene: &Scene<T, D>, state: &State<T, D>) -> Result<Self, SceneError> {
+        Self::with_threads(scene, state, 1)
+    }
+
+    /// As [`Workspace::new`], for so many threads; the reference engine uses one.
+    ///
+    /// # Errors
+    /// As [`Workspace::new`].
+    pub fn with_threads(
+        scene: &Scene<T, D>,
+        state: &State<T, D>,
+        threads: usize,
+    ) -> Result<Self, SceneError> {
         scene.validate()?;
         state.validate(scene)?;
+        let fast = match scene.engine {
+            Engine::Fast => Fast::new(scene, threads)?.map(Box::new),
+            Engine::Reference => None,
+        };
         let lightest = state.constants.mass.iter().fold(f64::INFINITY, |m, mass| m.min(mass.as_f64()));
         let lightest = if state.is_empty() { 0.0 } else { lightest };
         Ok(Workspace {
+            fast,
             grid: Grid::new(scene.spacing),
             stress: Vec::new(),
             gathered: Gathered { velocity: vec![], change: vec![], gradient: vec![], affine: vec![] },
@@ -50,7 +70,7 @@ impl<T: Real, const D: usize> Workspace<T, D> {
         })
     }
 
-    /// The grid of the latest step.
+    /// The grid of the latest step of the reference engine.
     pub fn grid(&self) -> &Grid<T, D> {
         &self.grid
     }
@@ -66,11 +86,20 @@ pub fn step<T: Real, const D: usize>(
     workspace: &mut Workspace<T, D>,
     dt: f64,
 ) -> Result<StepLedger<D>, Rejection> {
-    let Workspace { grid, stress, gathered, next, mirrors, folds, empty_mass } = workspace;
+    if let Some(fast) = &mut workspace.fast {
+        fast.load(scene, state);
+        let ledger = fast.step(scene, state.time, dt, true)?;
+        let order = std::mem::take(&mut state.constants.id);
+        fast.write(scene, state);
+        state.reorder_as(&order);
+        accept(scene, state, &ledger, dt);
+        return Ok(ledger);
+    }
+    let Workspace { grid, stress, gathered, next, mirrors, folds, empty_mass, .. } = workspace;
     let State { motion, constants, body_acceleration, time, .. } = &mut *state;
     let mut ledger = StepLedger::new(scene.colliders.len());
     let (now, empty, dt_t) = (*time, *empty_mass, T::of(dt));
-    let share = flip_share(scene.transfer, dt);
+    let share = scene.transfer.flip_share(dt);
     ledger.damping = share.map_or(0.0, |a| 1.0 - a);
     ledger.kinetic_particles_before = kinetic_energy(scene, motion, constants);
 
@@ -114,6 +143,10 @@ pub(crate) fn kinetic_on_grid<T: Real, const D: usize>(
     state: &State<T, D>,
     workspace: &mut Workspace<T, D>,
 ) -> f64 {
+    if let Some(fast) = &mut workspace.fast {
+        fast.load(scene, state);
+        return fast.kinetic_on_grid(scene);
+    }
     let Workspace { grid, stress, mirrors, folds, empty_mass, .. } = workspace;
     let State { motion, constants, .. } = state;
     place_stencils(scene, motion, grid);
@@ -121,14 +154,6 @@ pub(crate) fn kinetic_on_grid<T: Real, const D: usize>(
     particles_to_grid(scene, motion, constants, stress, grid);
     mirror::fold(mirrors, grid, &scene.gravity, folds);
     kinetic_of_sums(grid, *empty_mass)
-}
-
-/// The FLIP share a of a step of `dt` [s], where the transfer has one.
-fn flip_share(transfer: Transfer, dt: f64) -> Option<f64> {
-    match transfer {
-        Transfer::Flip(share) => Some(share.of_step(dt)),
-        Transfer::Apic | Transfer::Mls => None,
-    }
 }
 
 fn advection_velocity<'a, T: Real, const D: usize>(
@@ -164,14 +189,15 @@ fn advect<T: Real, const D: usize>(
     Ok(())
 }
 
-fn accept<T: Real, const D: usize>(
+/// Books an accepted step.
+pub(crate) fn accept<T: Real, const D: usize>(
     scene: &Scene<T, D>,
     state: &mut State<T, D>,
     step: &StepLedger<D>,
     dt: f64,
 ) {
     let velocities: Vec<_> = scene.colliders.iter().map(|c| c.velocity.map(|v| v.as_f64())).collect();
-    state.ledger.add(step, &velocities);
+    state.ledger.add(step, &velocities, scene.energy_budget);
     let mut obstacles =
         scene.colliders.iter().zip(&step.colliders).filter(|(c, _)| c.contact != Contact::Mirror);
     if state.first_contact.is_none() && obstacles.any(|(_, entry)| !is_zero(&entry.impulse)) {

@@ -35,7 +35,8 @@ pub fn fastest_wave_squared<T: Real, const D: usize>(scene: &Scene<T, D>, state:
     fastest
 }
 
-fn fastest_particle_squared<T: Real, const D: usize>(velocities: &[Vector<T, D>]) -> T {
+/// max |v_p|^2 [m^2/s^2].
+pub(crate) fn fastest_particle_squared<T: Real, const D: usize>(velocities: &[Vector<T, D>]) -> T {
     velocities.iter().fold(T::zero(), |fastest, v| {
         let squared = v.norm_squared();
         if squared > fastest { squared } else { fastest }
@@ -46,12 +47,30 @@ fn fastest_particle_squared<T: Real, const D: usize>(velocities: &[Vector<T, D>]
 pub fn step_length<T: Real, const D: usize>(scene: &Scene<T, D>, state: &State<T, D>) -> f64 {
     match scene.time_step.length {
         StepLength::Fixed(dt) => dt,
+        StepLength::Adaptive { .. } => {
+            let wave = fastest_wave_squared(scene, state);
+            step_length_for(
+                scene,
+                state.step_factor,
+                [wave, fastest_particle_squared(&state.motion.velocity)],
+            )
+        }
+    }
+}
+
+/// [`step_length`] from max c_p^2 and max |v_p|^2 [m^2/s^2].
+pub(crate) fn step_length_for<T: Real, const D: usize>(
+    scene: &Scene<T, D>,
+    step_factor: f64,
+    fastest_squared: [T; 2],
+) -> f64 {
+    match scene.time_step.length {
+        StepLength::Fixed(dt) => dt,
         StepLength::Adaptive { wave, advection, greatest } => {
             let h = scene.spacing.as_f64();
             let courant =
-                wave.unwrap_or_else(|| 0.5 * wave_limit(scene.kernel, scene.transfer)) * state.step_factor;
-            let wave_speed = fastest_wave_squared(scene, state).as_f64().sqrt();
-            let speed = fastest_particle_squared(&state.motion.velocity).as_f64().sqrt();
+                wave.unwrap_or_else(|| 0.5 * wave_limit(scene.kernel, scene.transfer)) * step_factor;
+            let [wave_speed, speed] = fastest_squared.map(|squared| squared.as_f64().sqrt());
             // A speed of 0 gives an infinite limit, which `greatest` bounds.
             (courant * h / wave_speed).min(advection * h / speed).min(greatest)
         }

@@ -1,12 +1,11 @@
 //! Stages 1, 2 and 7: between particles and grid.
 
-use crate::fast;
 use crate::geometry::{Matrix, Vector};
 use crate::grid::{Anchor, Grid};
 use crate::kernel::{Cubic, Kernel, KernelKind, Quadratic};
 use crate::particles::{ParticleConstants, ParticleMotion};
 use crate::real::Real;
-use crate::scene::{Engine, Scene};
+use crate::scene::Scene;
 use crate::stencil::Stencil;
 
 /// What the grid tells each particle at the end of a step.
@@ -46,8 +45,6 @@ macro_rules! for_kernel_and_transfer {
     };
 }
 
-pub(crate) use for_kernel_and_transfer;
-
 /// Stage 0 of a step: the nodes that particles reach.
 pub(crate) fn place_stencils<T: Real, const D: usize>(
     scene: &Scene<T, D>,
@@ -73,6 +70,23 @@ pub(crate) fn first_nodes_of<T: Real, const D: usize>(
     }
 }
 
+/// The first node of the stencil at `x` [m].
+pub(crate) fn first_node<T: Real, const D: usize>(
+    kernel: KernelKind,
+    x: &Vector<T, D>,
+    per_spacing: T,
+) -> [i32; D] {
+    let mut first = [0; D];
+    for axis in 0..D {
+        let x = x[axis] * per_spacing;
+        first[axis] = match kernel {
+            KernelKind::Cubic => Cubic::first_node(x),
+            KernelKind::Quadratic => Quadratic::first_node(x),
+        };
+    }
+    first
+}
+
 fn first_nodes<T: Real, K: Kernel, const D: usize>(
     positions: &[Vector<T, D>],
     spacing: T,
@@ -95,10 +109,7 @@ pub(crate) fn particles_to_grid<T: Real, const D: usize>(
     stress: &[Matrix<T, D>],
     grid: &mut Grid<T, D>,
 ) {
-    match scene.engine {
-        Engine::Fast => fast::particles_to_grid(scene, motion, constants, stress, grid),
-        Engine::Reference => for_kernel_and_transfer!(scene, scatter, motion, constants, stress, grid),
-    }
+    for_kernel_and_transfer!(scene, scatter, motion, constants, stress, grid)
 }
 
 fn scatter<T: Real, K: Kernel, const D: usize, const AFFINE: bool, const MLS: bool>(
@@ -190,10 +201,7 @@ pub(crate) fn grid_to_particles<T: Real, const D: usize>(
     gathered: &mut Gathered<T, D>,
 ) {
     gathered.resize(motion);
-    match scene.engine {
-        Engine::Fast => fast::grid_to_particles(scene, motion, grid, gathered),
-        Engine::Reference => for_kernel_and_transfer!(scene, gather, motion, grid, gathered),
-    }
+    for_kernel_and_transfer!(scene, gather, motion, grid, gathered)
 }
 
 fn gather<T: Real, K: Kernel, const D: usize, const AFFINE: bool, const MLS: bool>(

@@ -1,51 +1,114 @@
-//! The kernels with the nodes of an axis as lanes.
+//! The kernels on lanes: on an axis but the last for several particles at once, on the last for the four nodes of one.
 
-use super::lanes::Lanes;
+use super::simd::{Lanes, ROW_NODES, Row};
 use crate::kernel::{Cubic, Kernel, Quadratic};
 use crate::real::Real;
 
-/// A kernel on lanes.
-pub(super) trait LaneKernel: Kernel {
-    /// [`Kernel::weights`]: the first node, and weights and slopes of four nodes. They differ from the definition's by round-off.
-    fn weight_lanes<T: Real, V: Lanes<T>>(x: T) -> (i32, V, V);
+/// Where particles lie on an axis.
+pub(super) struct Place<V> {
+    /// One more than the first node of the stencil, a whole number.
+    pub node: V,
+    /// The distance beyond that node, in [0, 1) (cubic) or [-1/2, 1/2) (quadratic).
+    pub beyond: V,
 }
 
-#[inline(always)]
-fn constants<T: Real, V: Lanes<T>>([a, b, c, d]: [f64; 4]) -> V {
-    V::load(&[T::of(a), T::of(b), T::of(c), T::of(d)])
+/// Weights and slopes d/dx of the nodes of an axis, in units of the spacing.
+#[derive(Clone, Copy)]
+pub(super) struct Spline<V> {
+    pub weight: V,
+    pub slope: V,
+}
+
+/// A kernel on lanes, see [`Kernel::weights`]; weights next to 0 keep their relative precision.
+pub(crate) trait LaneKernel: Kernel {
+    /// `x` in units of the spacing.
+    fn place<T: Real, V: Lanes<T>>(x: V) -> Place<V>;
+    /// Node by node.
+    fn splines<T: Real, V: Lanes<T>>(beyond: V) -> [Spline<V>; ROW_NODES];
+    /// The four nodes side by side; `beyond` in all places.
+    fn row<T: Real, R: Row<T>>(beyond: R) -> Spline<R>;
 }
 
 impl LaneKernel for Cubic {
-    /// With x = l, r, l, r, where r is the distance to the second node and l = 1 - r that to the third: x^3 / 6 at the outer nodes,
-    /// x^3 / 2 - x^2 + 2/3 at the inner ones.
     #[inline(always)]
-    fn weight_lanes<T: Real, V: Lanes<T>>(x: T) -> (i32, V, V) {
-        const SIXTH: f64 = 1.0 / 6.0;
-        let cell = x.floor_index();
-        let r = x - T::of_index(cell);
-        let l = T::one() - r;
-        let x = V::of([l, r, l, r]);
-        let xx = x.times(x);
-        let cubes = constants::<T, V>([SIXTH, 0.5, 0.5, SIXTH]).times(xx).times(x);
-        let squares = constants::<T, V>([0.0, -1.0, -1.0, 0.0]).times(xx);
-        let weights = cubes.plus(squares).plus(constants([0.0, 2.0 / 3.0, 2.0 / 3.0, 0.0]));
-        let slopes = constants::<T, V>([-0.5, 1.5, -1.5, 0.5])
-            .times(xx)
-            .plus(constants::<T, V>([0.0, -2.0, 2.0, 0.0]).times(x));
-        (cell - 1, weights, slopes)
+    fn place<T: Real, V: Lanes<T>>(x: V) -> Place<V> {
+        let node = x.floor();
+        Place { node, beyond: x - node }
+    }
+
+    /// With x the distance r to the second node or l = 1 - r to the third: x^3 / 6 at the outer nodes, x^3 / 2 - x^2 + 2/3 at the inner.
+    #[inline(always)]
+    fn splines<T: Real, V: Lanes<T>>(r: V) -> [Spline<V>; ROW_NODES] {
+        let l = V::splat(T::one()) - r;
+        let (rr, ll) = (r * r, l * l);
+        let (sixth, half, two_thirds) =
+            (V::splat(T::of(1.0 / 6.0)), V::splat(T::of(0.5)), V::splat(T::of(2.0 / 3.0)));
+        let (three_halves, two) = (V::splat(T::of(1.5)), V::splat(T::of(2.0)));
+        let one = V::splat(T::one());
+        [
+            Spline { weight: sixth * l * ll, slope: -(half * ll) },
+            Spline {
+                weight: rr.mul_add(half.mul_add(r, -one), two_thirds),
+                slope: r * three_halves.mul_add(r, -two),
+            },
+            Spline {
+                weight: ll.mul_add(half.mul_add(l, -one), two_thirds),
+                slope: l * three_halves.neg_mul_add(l, two),
+            },
+            Spline { weight: sixth * r * rr, slope: half * rr },
+        ]
+    }
+
+    #[inline(always)]
+    fn row<T: Real, R: Row<T>>(r: R) -> Spline<R> {
+        let x = r.mul_add(by_node([-1.0, 1.0, -1.0, 1.0]), by_node([1.0, 0.0, 1.0, 0.0]));
+        let inner =
+            by_node::<T, R>([1.0 / 6.0, 0.5, 0.5, 1.0 / 6.0]).mul_add(x, by_node([0.0, -1.0, -1.0, 0.0]));
+        Spline {
+            weight: (x * x).mul_add(inner, by_node([0.0, 2.0 / 3.0, 2.0 / 3.0, 0.0])),
+            slope: x * x.mul_add(by_node([-0.5, 1.5, -1.5, 0.5]), by_node([0.0, -2.0, 2.0, 0.0])),
+        }
     }
 }
 
 impl LaneKernel for Quadratic {
-    /// With x = 1/2 - q, q, 1/2 + q, where q is the offset from the node in the middle: x^2 / 2 at the outer nodes, 3/4 - x^2 in the middle.
     #[inline(always)]
-    fn weight_lanes<T: Real, V: Lanes<T>>(x: T) -> (i32, V, V) {
-        let half = T::of(0.5);
-        let nearest = (x + half).floor_index();
-        let q = x - T::of_index(nearest);
-        let x = V::of([half - q, q, half + q, T::zero()]);
-        let squares = constants::<T, V>([0.5, -1.0, 0.5, 0.0]).times(x).times(x);
-        let weights = squares.plus(constants([0.0, 0.75, 0.0, 0.0]));
-        (nearest - 1, weights, constants::<T, V>([-1.0, -2.0, 1.0, 0.0]).times(x))
+    fn place<T: Real, V: Lanes<T>>(x: V) -> Place<V> {
+        let node = (x + V::splat(T::of(0.5))).floor();
+        Place { node, beyond: x - node }
     }
+
+    /// With x = 1/2 - q, q, 1/2 + q, where q is the distance beyond the node in the middle: x^2 / 2 at the outer nodes, 3/4 - x^2.
+    #[inline(always)]
+    fn splines<T: Real, V: Lanes<T>>(q: V) -> [Spline<V>; ROW_NODES] {
+        let half = V::splat(T::of(0.5));
+        let (below, above) = (half - q, half + q);
+        let nothing = V::splat(T::zero());
+        [
+            Spline { weight: half * below * below, slope: -below },
+            Spline { weight: q.neg_mul_add(q, V::splat(T::of(0.75))), slope: -(q + q) },
+            Spline { weight: half * above * above, slope: above },
+            Spline { weight: nothing, slope: nothing },
+        ]
+    }
+
+    #[inline(always)]
+    fn row<T: Real, R: Row<T>>(q: R) -> Spline<R> {
+        let x = q.mul_add(by_node([-1.0, 1.0, 1.0, 0.0]), by_node([0.5, 0.0, 0.5, 0.0]));
+        Spline {
+            weight: (by_node::<T, R>([0.5, -1.0, 0.5, 0.0]) * x).mul_add(x, by_node([0.0, 0.75, 0.0, 0.0])),
+            slope: x * by_node([-1.0, -2.0, 1.0, 0.0]),
+        }
+    }
+}
+
+#[inline(always)]
+fn by_node<T: Real, R: Row<T>>([a, b, c, d]: [f64; ROW_NODES]) -> R {
+    R::by_node([T::of(a), T::of(b), T::of(c), T::of(d)])
+}
+
+/// The distances of the nodes from the particle, side by side, in units of the spacing.
+#[inline(always)]
+pub(super) fn arms<T: Real, R: Row<T>>(beyond: R) -> R {
+    beyond.mul_add(R::splat(-T::one()), by_node([-1.0, 0.0, 1.0, 2.0]))
 }

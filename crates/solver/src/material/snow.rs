@@ -32,6 +32,11 @@ impl<T: Real> Snow<T> {
         let (lower, upper) = self.plastic_ratio_bounds;
         lower > T::zero() || upper.as_f64() < f64::INFINITY
     }
+
+    /// Whether the yield surface is so narrow that the time step needs no look at F.
+    pub(crate) fn stretch_is_covered(&self) -> bool {
+        self.critical_stretch <= T::of(COVERED_STRETCH)
+    }
 }
 
 impl<T: Real, const D: usize> ConstitutiveModel<T, D> for Snow<T> {
@@ -75,7 +80,6 @@ impl<T: Real, const D: usize> ConstitutiveModel<T, D> for Snow<T> {
     #[inline]
     fn wave_modulus(&self, f: &Matrix<T, D>) -> T {
         let modulus = self.lame.wave_modulus::<D>();
-        let covered = self.critical_stretch <= T::of(COVERED_STRETCH);
-        if covered { modulus } else { modulus * stretch_factor(f) }
+        if self.stretch_is_covered() { modulus } else { modulus * stretch_factor(f) }
     }
 }

@@ -35,6 +35,7 @@ pub(super) fn scene<T: Real, const D: usize>(
         colliders: colliders.map(|(k, c)| collider(c, k, origin, n.spacing)).collect::<Result<_, _>>()?,
         gravity: vector_or_zero::<D>(&spec.gravity, "gravity")?.map(T::of),
         time_step: time_step(n),
+        energy_budget: true,
     })
 }
 

@@ -64,6 +64,7 @@ pub fn scene<T: Real, const D: usize>(
         colliders: Vec::new(),
         gravity: Vector::zeros(),
         time_step: TimeStepControl::default(),
+        energy_budget: true,
     }
 }
 

@@ -1,0 +1,45 @@
+//! CPUs for which the fast engine has no kernels: they run the reference engine.
+
+use crate::error::{Rejection, SceneError};
+use crate::ledger::StepLedger;
+use crate::real::Real;
+use crate::scene::Scene;
+use crate::state::State;
+
+/// Numbers of any kind.
+pub trait HasRegisters {}
+impl<T> HasRegisters for T {}
+
+/// Not to be had.
+#[derive(Clone, Debug)]
+pub(crate) enum Fast<T: Real, const D: usize> {
+    #[expect(dead_code, reason = "never made")]
+    Never(std::convert::Infallible, std::marker::PhantomData<T>),
+}
+
+impl<T: Real, const D: usize> Fast<T, D> {
+    pub fn new(_scene: &Scene<T, D>, _threads: usize) -> Result<Option<Self>, SceneError> {
+        Ok(None)
+    }
+    pub fn is_loaded(&self) -> bool {
+        false
+    }
+    pub fn unload(&mut self) {}
+    pub fn load(&mut self, _scene: &Scene<T, D>, _state: &State<T, D>) {}
+    pub fn write(&self, _scene: &Scene<T, D>, _state: &mut State<T, D>) {}
+    pub fn fastest(&self) -> [T; 2] {
+        [T::zero(); 2]
+    }
+    pub fn kinetic_on_grid(&mut self, _scene: &Scene<T, D>) -> f64 {
+        0.0
+    }
+    pub fn step(
+        &mut self,
+        scene: &Scene<T, D>,
+        _time: f64,
+        _dt: f64,
+        _energies: bool,
+    ) -> Result<StepLedger<D>, Rejection> {
+        Ok(StepLedger::new(scene.colliders.len()))
+    }
+}

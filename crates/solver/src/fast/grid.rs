@@ -1,0 +1,255 @@
+//! The grid as the fast engine keeps it: blocks of 64 nodes where particles reach, each node with four channels side by side. Blocks are
+//! chosen when particles are sorted and serve until they are sorted again: a tile has a margin for particles that have moved on by a cell.
+
+use std::collections::HashMap;
+use std::hash::BuildHasherDefault;
+
+use super::particles::Block;
+use super::pool::{Pool, Shared};
+use super::simd::CHANNELS;
+use crate::geometry::Vector;
+use crate::grid::{BlockHasher, NodeMotion, NodeSums, Nodes};
+use crate::kernel::MAX_SUPPORT;
+use crate::real::Real;
+
+/// Hashes block coordinates; looked up, never iterated.
+pub(crate) type BlockHash = BuildHasherDefault<BlockHasher>;
+/// A node's momentum or velocity, and its mass in channel D.
+pub(crate) type Node<T> = [T; CHANNELS];
+
+/// Nodes of a block.
+pub(crate) const BLOCK_NODES: usize = 64;
+/// Blocks around a block, itself included, in 3D.
+const NEIGHBOURS: usize = 27;
+/// How many cells a particle may move on an axis, either way, before it is sorted anew.
+const DRIFT: usize = 1;
+
+/// Nodes along an edge of a block: 8^2 = 4^3 = [`BLOCK_NODES`].
+pub(crate) const fn block_edge<const D: usize>() -> i32 {
+    if D == 2 { 8 } else { 4 }
+}
+
+/// Nodes along an edge of a tile, which holds all that particles of a block reach: the block's own, the drift on either side, and the rest of
+/// the stencil.
+pub(crate) const fn tile_edge<const D: usize>() -> usize {
+    block_edge::<D>() as usize + 2 * DRIFT + MAX_SUPPORT - 1
+}
+
+/// Nodes of a tile.
+pub(crate) const fn tile_nodes<const D: usize>() -> usize {
+    tile_edge::<D>().pow(D as u32)
+}
+
+/// Blocks along an axis after which two blocks' tiles have no node in common.
+const fn colours_along_an_axis<const D: usize>() -> i32 {
+    if block_edge::<D>() as usize * 2 >= tile_edge::<D>() { 2 } else { 3 }
+}
+
+/// The blocks round the particles.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BlockGrid<T: Real, const D: usize> {
+    corners: Vec<[i32; D]>,
+    directory: HashMap<[i32; D], u32, BlockHash>,
+    /// Momentum and mass from particles; with the impulse of forces where a step does not keep them apart.
+    pub sums: Vec<Node<T>>,
+    /// Forces, where a step keeps them apart.
+    pub forces: Vec<Node<T>>,
+    /// Velocity at the end of the step; in 2D its change over the step in the two channels that follow.
+    pub motion: Vec<Node<T>>,
+    /// Change of velocity over the step in 3D.
+    pub change: Vec<Node<T>>,
+    /// For each block of particles the blocks from -1 to +1 on each axis, the last axis fastest.
+    neighbours: Vec<[u32; NEIGHBOURS]>,
+    /// Blocks of particles whose tiles have no node in common, in the order in which their tiles are added up.
+    pub colours: Vec<Vec<u32>>,
+}
+
+impl<T: Real, const D: usize> BlockGrid<T, D> {
+    /// Places a block wherever a tile of `homes` reaches.
+    pub fn place(&mut self, homes: &[Block<D>]) {
+        self.directory.clear();
+        self.corners.clear();
+        for home in homes {
+            for number in 0..3_usize.pow(D as u32) {
+                let corner = neighbour(home.corner, number);
+                let next = self.corners.len() as u32;
+                if *self.directory.entry(corner).or_insert(next) == next {
+                    self.corners.push(corner);
+                }
+            }
+        }
+        self.corners.sort_unstable();
+        for (number, corner) in self.corners.iter().enumerate() {
+            self.directory.insert(*corner, number as u32);
+        }
+        self.neighbours.clear();
+        let period = colours_along_an_axis::<D>();
+        self.colours.clear();
+        self.colours.resize((period as usize).pow(D as u32), Vec::new());
+        for (number, home) in homes.iter().enumerate() {
+            let mut around = [0; NEIGHBOURS];
+            for (k, place) in around.iter_mut().enumerate().take(3_usize.pow(D as u32)) {
+                *place = self.directory[&neighbour(home.corner, k)];
+            }
+            self.neighbours.push(around);
+            let colour = home.corner.iter().fold(0, |c, n| c * period + n.rem_euclid(period));
+            self.colours[colour as usize].push(number as u32);
+        }
+        self.colours.retain(|blocks| !blocks.is_empty());
+    }
+
+    /// Makes room for the nodes of all blocks; `apart` if forces and changes of velocity have room of their own.
+    pub fn make_room(&mut self, apart: bool) {
+        let nodes = self.corners.len() * BLOCK_NODES;
+        let zero = [T::zero(); CHANNELS];
+        self.sums.resize(nodes, zero);
+        self.motion.resize(nodes, zero);
+        if apart {
+            self.forces.resize(nodes, zero);
+            self.change.resize(if D == 3 { nodes } else { 0 }, zero);
+        }
+    }
+
+    /// Blocks in store.
+    pub fn blocks(&self) -> usize {
+        self.corners.len()
+    }
+
+    /// Coordinates of a block's least node.
+    pub fn first_node(&self, block: usize) -> [i32; D] {
+        self.corners[block].map(|n| n * block_edge::<D>())
+    }
+
+    /// Empties what particles add to.
+    pub fn clear(&mut self, apart: bool, pool: &Pool) {
+        // chosen: tasks of 64 kB and more.
+        const BLOCKS: usize = 64;
+        let blocks = self.blocks();
+        let (sums, forces) = (Shared::new(&mut self.sums), Shared::new(&mut self.forces));
+        pool.run(
+            blocks.div_ceil(BLOCKS),
+            || (),
+            |_, task| {
+                let first = task * BLOCKS * BLOCK_NODES;
+                let count = (BLOCKS * BLOCK_NODES).min(blocks * BLOCK_NODES - first);
+                #[expect(unsafe_code, reason = "tasks write to nodes of their own")]
+                // SAFETY: every node belongs to one task.
+                unsafe {
+                    sums.range(first, count).fill([T::zero(); CHANNELS]);
+                    if apart {
+                        forces.range(first, count).fill([T::zero(); CHANNELS]);
+                    }
+                }
+            },
+        );
+    }
+
+    /// Calls `copy(tile node, grid node, count)` for every run of nodes along the last axis that the tile of `home` and one block share.
+    #[inline(always)]
+    pub fn for_tile_runs(&self, home: usize, copy: &mut impl FnMut(usize, usize, usize)) {
+        let (edge, width) = (block_edge::<D>() as usize, tile_edge::<D>());
+        let around = &self.neighbours[home];
+        // A tile begins DRIFT nodes before its block. Per axis: which of the three blocks, and where in it.
+        let part = |n: usize| ((n + edge - DRIFT) / edge, (n + edge - DRIFT) % edge);
+        let rows = if D == 2 { width } else { width * width };
+        for row in 0..rows {
+            let (mut block, mut local) = (0, 0);
+            let mut digits = [row, 0];
+            if D == 3 {
+                digits = [row / width, row % width];
+            }
+            for k in 0..D - 1 {
+                let (b, l) = part(digits[k]);
+                (block, local) = (block * 3 + b, local * edge + l);
+            }
+            let (tile, node) = (row * width, local * edge);
+            let mut run = |number: usize, tile: usize, offset: usize, count: usize| {
+                let first = around[block * 3 + number] as usize * BLOCK_NODES;
+                copy(tile, first + node + offset, count);
+            };
+            run(0, tile, edge - DRIFT, DRIFT);
+            run(1, tile + DRIFT, 0, edge);
+            run(2, tile + DRIFT + edge, 0, width - DRIFT - edge);
+        }
+    }
+
+    /// Bytes in store.
+    pub fn bytes(&self) -> usize {
+        [&self.sums, &self.forces, &self.motion, &self.change]
+            .map(|nodes| std::mem::size_of_val(&nodes[..]))
+            .iter()
+            .sum()
+    }
+}
+
+/// Block `number` of the 3^D round `corner`, the last axis fastest.
+fn neighbour<const D: usize>(corner: [i32; D], number: usize) -> [i32; D] {
+    let mut place = corner;
+    let mut rest = number;
+    for axis in (0..D).rev() {
+        place[axis] += (rest % 3) as i32 - 1;
+        rest /= 3;
+    }
+    place
+}
+
+fn vector<T: Real, const D: usize>(node: &Node<T>, first: usize) -> Vector<T, D> {
+    Vector::from_fn(|k, _| node[first + k])
+}
+
+/// What the plain stages of contact and mirrors see of the grid; for steps that keep forces apart.
+impl<T: Real, const D: usize> Nodes<T, D> for BlockGrid<T, D> {
+    fn node_count(&self) -> usize {
+        self.sums.len()
+    }
+
+    fn coordinates(&self, index: usize) -> [i32; D] {
+        node_coordinates(self.first_node(index / BLOCK_NODES), index % BLOCK_NODES)
+    }
+
+    fn find(&self, coordinates: [i32; D]) -> Option<usize> {
+        let edge = block_edge::<D>();
+        let block = *self.directory.get(&coordinates.map(|n| n.div_euclid(edge)))? as usize;
+        let local = coordinates.iter().fold(0, |local, n| local * edge + n.rem_euclid(edge));
+        Some(block * BLOCK_NODES + local as usize)
+    }
+
+    fn sums(&self, index: usize) -> NodeSums<T, D> {
+        let node = &self.sums[index];
+        NodeSums { mass: node[D], momentum: vector(node, 0), force: vector(&self.forces[index], 0) }
+    }
+
+    fn set_sums(&mut self, index: usize, sums: &NodeSums<T, D>) {
+        for k in 0..D {
+            self.sums[index][k] = sums.momentum[k];
+            self.forces[index][k] = sums.force[k];
+        }
+        self.sums[index][D] = sums.mass;
+    }
+
+    fn motion(&self, index: usize) -> NodeMotion<T, D> {
+        let node = &self.motion[index];
+        let change = if D == 2 { vector(node, 2) } else { vector(&self.change[index], 0) };
+        NodeMotion { velocity: vector(node, 0), change }
+    }
+
+    fn set_motion(&mut self, index: usize, motion: &NodeMotion<T, D>) {
+        for k in 0..D {
+            self.motion[index][k] = motion.velocity[k];
+            let change = if D == 2 { &mut self.motion[index][2 + k] } else { &mut self.change[index][k] };
+            *change = motion.change[k];
+        }
+    }
+}
+
+/// Coordinates of node `local` of a block that begins at `first`, the last axis fastest.
+pub(crate) fn node_coordinates<const D: usize>(first: [i32; D], local: usize) -> [i32; D] {
+    let edge = block_edge::<D>() as usize;
+    let mut node = first;
+    let mut rest = local;
+    for axis in (0..D).rev() {
+        node[axis] += (rest % edge) as i32;
+        rest /= edge;
+    }
+    node
+}

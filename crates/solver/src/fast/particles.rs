@@ -1,0 +1,300 @@
+//! The particles as the fast engine keeps them: by blocks of the grid, each block in chunks of 16, each chunk field by field. What fills
+//! up the last chunk of a block has neither mass nor volume.
+
+use std::collections::HashMap;
+
+use super::grid::{BlockHash, block_edge};
+use super::pool::{Pool, Shared};
+use super::simd::CHUNK;
+use crate::geometry::{Matrix, Vector};
+use crate::ledger::Ledger;
+use crate::particles::{ParticleConstants, ParticleMotion};
+use crate::real::Real;
+use crate::scene::Scene;
+use crate::state::State;
+use crate::transfer::first_node;
+
+/// Where the fields of a chunk begin, in units of [`CHUNK`] numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Layout<const D: usize> {
+    affine: bool,
+    forced: bool,
+}
+
+impl<const D: usize> Layout<D> {
+    /// x [m].
+    pub const POSITION: usize = 0;
+    /// v [m/s].
+    pub const VELOCITY: usize = D;
+    /// F_E - I, row by row.
+    pub const STRAIN: usize = 2 * D;
+    /// J_P.
+    pub const RATIO: usize = 2 * D + D * D;
+    /// Factor on the Lame parameters.
+    pub const STIFFNESS: usize = Self::RATIO + 1;
+    pub const MASS: usize = Self::RATIO + 2;
+    pub const VOLUME: usize = Self::RATIO + 3;
+    /// The particle's own part of the stiffness factor.
+    pub const SCALE: usize = Self::RATIO + 4;
+    /// C [1/s], row by row, where the transfer has it.
+    pub const AFFINE: usize = Self::RATIO + 5;
+
+    /// Acceleration by a force of its own, where there is any.
+    pub fn force(self) -> usize {
+        Self::AFFINE + if self.affine { D * D } else { 0 }
+    }
+
+    /// Fields of a chunk.
+    pub fn fields(self) -> usize {
+        self.force() + if self.forced { D } else { 0 }
+    }
+
+    /// Whether there are forces of their own.
+    pub fn forced(self) -> bool {
+        self.forced
+    }
+}
+
+/// The particles whose stencils began in one block of nodes when they were last sorted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Block<const D: usize> {
+    /// The block's coordinates: those of its least node over its edge.
+    pub corner: [i32; D],
+    pub first_chunk: usize,
+    pub particles: usize,
+}
+
+impl<const D: usize> Block<D> {
+    pub fn chunks(&self) -> usize {
+        self.particles.div_ceil(CHUNK)
+    }
+}
+
+/// Numbers of a particle that no arithmetic is done with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Label {
+    pub id: u32,
+    pub material: u16,
+    /// Whether J_P ever met a bound.
+    pub clamped: bool,
+}
+
+/// All particles.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Particles<T: Real, const D: usize> {
+    pub layout: Layout<D>,
+    /// `layout.fields()` entries a chunk.
+    pub fields: Vec<[T; CHUNK]>,
+    pub labels: Vec<[Label; CHUNK]>,
+    pub blocks: Vec<Block<D>>,
+}
+
+impl<T: Real, const D: usize> Particles<T, D> {
+    /// The particles of `state` in its order, as one block that lies nowhere.
+    pub fn of(scene: &Scene<T, D>, state: &State<T, D>) -> Self {
+        let layout =
+            Layout { affine: scene.transfer.keeps_affine(), forced: !state.body_acceleration.is_empty() };
+        let count = state.len();
+        let mut particles = Particles::<T, D> { layout, ..Particles::default() };
+        particles.blocks = vec![Block { corner: [0; D], first_chunk: 0, particles: count }];
+        particles.resize(count.div_ceil(CHUNK));
+        let State { motion, constants, body_acceleration, .. } = state;
+        for p in 0..count {
+            let (chunk, lane) = (p / CHUNK, p % CHUNK);
+            let fields = &mut particles.fields[chunk * layout.fields()..][..layout.fields()];
+            let mut put = |field: usize, value: T| fields[field][lane] = value;
+            for i in 0..D {
+                put(Layout::<D>::POSITION + i, motion.position[p][i]);
+                put(Layout::<D>::VELOCITY + i, motion.velocity[p][i]);
+                for j in 0..D {
+                    let unit = if i == j { T::one() } else { T::zero() };
+                    put(Layout::<D>::STRAIN + i * D + j, motion.deformation[p][(i, j)] - unit);
+                    if layout.affine {
+                        put(Layout::<D>::AFFINE + i * D + j, motion.affine[p][(i, j)]);
+                    }
+                }
+                if layout.forced {
+                    put(layout.force() + i, body_acceleration[p][i]);
+                }
+            }
+            put(Layout::<D>::RATIO, motion.plastic_ratio[p]);
+            put(Layout::<D>::STIFFNESS, motion.stiffness[p]);
+            put(Layout::<D>::MASS, constants.mass[p]);
+            put(Layout::<D>::VOLUME, constants.volume[p]);
+            put(Layout::<D>::SCALE, constants.stiffness_scale[p]);
+            particles.labels[chunk][lane] = Label {
+                id: constants.id[p],
+                material: constants.material[p],
+                clamped: motion.clamped.get(p).copied().unwrap_or(false),
+            };
+        }
+        particles
+    }
+
+    fn resize(&mut self, chunks: usize) {
+        self.fields.resize(chunks * self.layout.fields(), [T::zero(); CHUNK]);
+        self.labels.resize(chunks, [Label::default(); CHUNK]);
+    }
+
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        self.blocks.iter().map(|block| block.particles).sum()
+    }
+
+    /// Chunk and lane of every particle, in order of storage.
+    fn places(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.blocks
+            .iter()
+            .flat_map(|block| (0..block.particles).map(|p| (block.first_chunk + p / CHUNK, p % CHUNK)))
+    }
+
+    /// Writes the particles to `state`, in order of storage.
+    pub fn write(&self, scene: &Scene<T, D>, state: &mut State<T, D>) {
+        let layout = self.layout;
+        let (mut motion, mut constants) = (ParticleMotion::default(), ParticleConstants::default());
+        let mut forces = Vec::new();
+        let keeps_clamped = scene.bounds_plastic_ratio();
+        for (chunk, lane) in self.places() {
+            let fields = &self.fields[chunk * layout.fields()..][..layout.fields()];
+            let vector = |first: usize| Vector::<T, D>::from_fn(|i, _| fields[first + i][lane]);
+            let matrix = |first: usize| Matrix::<T, D>::from_fn(|i, j| fields[first + i * D + j][lane]);
+            motion.position.push(vector(Layout::<D>::POSITION));
+            motion.velocity.push(vector(Layout::<D>::VELOCITY));
+            motion.deformation.push(matrix(Layout::<D>::STRAIN) + Matrix::identity());
+            motion.plastic_ratio.push(fields[Layout::<D>::RATIO][lane]);
+            motion.stiffness.push(fields[Layout::<D>::STIFFNESS][lane]);
+            if layout.affine {
+                motion.affine.push(matrix(Layout::<D>::AFFINE));
+            }
+            if layout.forced {
+                forces.push(vector(layout.force()));
+            }
+            constants.mass.push(fields[Layout::<D>::MASS][lane]);
+            constants.volume.push(fields[Layout::<D>::VOLUME][lane]);
+            constants.stiffness_scale.push(fields[Layout::<D>::SCALE][lane]);
+            let label = self.labels[chunk][lane];
+            constants.material.push(label.material);
+            constants.id.push(label.id);
+            if keeps_clamped {
+                motion.clamped.push(label.clamped);
+            }
+        }
+        (state.motion, state.constants, state.body_acceleration) = (motion, constants, forces);
+    }
+
+    /// Writes to `into` the same particles sorted by the block and, within it, by the node in which their stencils begin; stably, so
+    /// that the order depends on positions and the previous order alone.
+    pub fn sort(&self, scene: &Scene<T, D>, into: &mut Self, pool: &Pool) {
+        let edge = block_edge::<D>();
+        let nodes = edge.pow(D as u32) as usize;
+        let mut directory = HashMap::<[i32; D], u32, BlockHash>::default();
+        let mut corners: Vec<[i32; D]> = Vec::new();
+        let mut latest = ([i32::MAX; D], 0);
+        let mut homes: Vec<(u32, u32)> = Vec::with_capacity(self.len());
+        let per_spacing = T::one() / scene.spacing;
+        let fields = self.layout.fields();
+        for (chunk, lane) in self.places() {
+            let x = Vector::<T, D>::from_fn(|i, _| self.fields[chunk * fields + i][lane]);
+            let node = first_node(scene.kernel, &x, per_spacing);
+            let corner = node.map(|n| n.div_euclid(edge));
+            if corner != latest.0 {
+                let next = corners.len() as u32;
+                let number = *directory.entry(corner).or_insert(next);
+                if number == next {
+                    corners.push(corner);
+                }
+                latest = (corner, number);
+            }
+            let local = node.iter().fold(0, |local, n| local * edge + n.rem_euclid(edge));
+            homes.push((latest.1, local as u32));
+        }
+        // Blocks in the order of their coordinates; then a counting sort.
+        let mut order: Vec<u32> = (0..corners.len() as u32).collect();
+        order.sort_unstable_by_key(|&b| corners[b as usize]);
+        let mut cursors = vec![0_u32; corners.len() * nodes];
+        for &(block, local) in &homes {
+            cursors[block as usize * nodes + local as usize] += 1;
+        }
+        into.layout = self.layout;
+        into.blocks.clear();
+        let mut chunk = 0;
+        for &b in &order {
+            let first = (chunk * CHUNK) as u32;
+            let mut next = first;
+            for cursor in &mut cursors[b as usize * nodes..][..nodes] {
+                next += std::mem::replace(cursor, next);
+            }
+            let particles = (next - first) as usize;
+            let block = Block { corner: corners[b as usize], first_chunk: chunk, particles };
+            chunk += block.chunks();
+            into.blocks.push(block);
+        }
+        into.resize(chunk);
+        let mut sources = vec![(u32::MAX, 0_u8); chunk * CHUNK];
+        for (&(block, local), (chunk, lane)) in homes.iter().zip(self.places()) {
+            let cursor = &mut cursors[block as usize * nodes + local as usize];
+            sources[*cursor as usize] = (chunk as u32, lane as u8);
+            *cursor += 1;
+        }
+        self.gather(&sources, into, pool);
+    }
+
+    /// Copies the particles at `sources` (chunk and lane) to `into`, chunk by chunk.
+    fn gather(&self, sources: &[(u32, u8)], into: &mut Self, pool: &Pool) {
+        let fields = self.layout.fields();
+        let chunks = into.labels.len();
+        let (to_fields, to_labels) = (Shared::new(&mut into.fields), Shared::new(&mut into.labels));
+        // chosen: tasks of 256 particles, long beside the cost of handing one out.
+        const CHUNKS: usize = 16;
+        pool.run(
+            chunks.div_ceil(CHUNKS),
+            || (),
+            |_, task| {
+                for chunk in task * CHUNKS..chunks.min((task + 1) * CHUNKS) {
+                    #[expect(unsafe_code, reason = "tasks write to chunks of their own")]
+                    // SAFETY: every chunk belongs to one task.
+                    let (to, labels) = unsafe {
+                        (to_fields.range(chunk * fields, fields), &mut to_labels.range(chunk, 1)[0])
+                    };
+                    let mut from = [(usize::MAX, 0); CHUNK];
+                    for lane in 0..CHUNK {
+                        let (source, source_lane) = sources[chunk * CHUNK + lane];
+                        // Padding repeats the chunk's first particle, without mass and volume.
+                        from[lane] = if source == u32::MAX {
+                            from[0]
+                        } else {
+                            (source as usize, source_lane as usize)
+                        };
+                        labels[lane] = self.labels[from[lane].0][from[lane].1];
+                    }
+                    for field in 0..fields {
+                        for lane in 0..CHUNK {
+                            let (source, source_lane) = from[lane];
+                            to[field][lane] = self.fields[source * fields + field][source_lane];
+                        }
+                    }
+                    for lane in 0..CHUNK {
+                        if sources[chunk * CHUNK + lane].0 == u32::MAX {
+                            to[Layout::<D>::MASS][lane] = T::zero();
+                            to[Layout::<D>::VOLUME][lane] = T::zero();
+                        }
+                    }
+                }
+            },
+        );
+    }
+
+    /// Bytes in store.
+    pub fn bytes(&self) -> usize {
+        std::mem::size_of_val(&self.fields[..]) + std::mem::size_of_val(&self.labels[..])
+    }
+}
+
+/// The parts of a state beside its particles.
+#[derive(Clone, Debug)]
+pub(crate) struct Books<const D: usize> {
+    pub time: f64,
+    pub steps: u64,
+    pub ledger: Ledger<D>,
+    pub first_contact: Option<f64>,
+}
