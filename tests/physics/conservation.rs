@@ -3,7 +3,7 @@
 use snowlab_solver::diagnostics::{angular_momentum, energies, linear_momentum, total_mass};
 use snowlab_solver::geometry::{Matrix, Vector};
 use snowlab_solver::step::{Workspace, step};
-use snowlab_solver::{InitialParticle, KernelKind, Real, Scene, State, Transfer};
+use snowlab_solver::{Engine, InitialParticle, KernelKind, Real, Scene, State, Transfer};
 
 use crate::support::{
     KERNELS, Random, assert_near, elastic_scene, flip, largest, lattice, particle, scene, state, transfers,
@@ -77,7 +77,8 @@ fn the_grid_holds_the_mass_and_momentum_of_the_particles() {
     let particles = cloud(&mut random, 300, [-0.3, 0.1, 5.0], 0.2, [1.0, -2.0, 3.0]);
     for kernel in KERNELS {
         for transfer in transfers() {
-            let scene = Scene { kernel, transfer, ..scene::<f64, 3>(0.05) };
+            // The fast engine's grid is tested beside it.
+            let scene = Scene { kernel, transfer, engine: Engine::Reference, ..scene::<f64, 3>(0.05) };
             let mut state = state(&scene, &particles);
             for c in &mut state.motion.affine {
                 *c = random.matrix(10.0);

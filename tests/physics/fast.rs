@@ -19,7 +19,6 @@ mod material;
 mod mirrors;
 mod restart;
 mod slab;
-mod sparse_grid;
 mod stability;
 mod support;
 mod validation;

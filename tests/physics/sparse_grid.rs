@@ -1,15 +1,15 @@
-//! Nodes exist where particles are, and nowhere else.
+//! Nodes of the reference engine exist where particles are, and nowhere else.
 
 use snowlab_solver::geometry::Vector;
 use snowlab_solver::grid::{BLOCK_EDGE, Grid};
 use snowlab_solver::step::{Workspace, step};
-use snowlab_solver::{InitialParticle, KernelKind, Real, Scene};
+use snowlab_solver::{Engine, InitialParticle, KernelKind, Real, Scene};
 
 use crate::support::{KERNELS, Random, lattice, scene, state};
 
 /// The nodes in store after one step.
 fn nodes<T: Real, const D: usize>(kernel: KernelKind, particles: &[InitialParticle<D>]) -> Grid<T, D> {
-    let scene = Scene { kernel, ..scene::<T, D>(0.5) };
+    let scene = Scene { kernel, engine: Engine::Reference, ..scene::<T, D>(0.5) };
     let mut state = state(&scene, particles);
     let mut workspace = Workspace::new(&scene, &state).expect("a valid scene");
     step(&scene, &mut state, &mut workspace, 1e-6).expect("a good step");

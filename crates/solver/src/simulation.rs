@@ -2,7 +2,9 @@
 
 use std::sync::OnceLock;
 
+use crate::diagnostics::{elastic_energy, potential_energy};
 use crate::error::{Rejection, SceneError, SimulationError};
+use crate::fast;
 use crate::ledger::StepLedger;
 use crate::real::Real;
 use crate::scene::{Scene, StepLength};
@@ -10,11 +12,19 @@ use crate::sort::sort_by_block;
 use crate::state::State;
 use crate::step::{Workspace, accept, kinetic_on_grid, step};
 use crate::timestep::{meet, step_length, step_length_for};
-use crate::watchdog::{Check, Verdict, Watchdog};
+use crate::watchdog::{Candidate, Check, StoredEnergy, Verdict, Watchdog};
 
 /// The reference engine's particles are sorted anew after so many steps (chosen: sorting costs as much as a third of a step; in 16 steps few
 /// particles leave their block).
 const SORT_INTERVAL: u64 = 16;
+
+/// A state to go back to.
+#[derive(Clone, Debug)]
+struct Saved<T: Real, const D: usize> {
+    /// Without particles where the fast engine holds them.
+    state: State<T, D>,
+    particles: Option<fast::Saved<T, D>>,
+}
 
 /// A scene with its state and scratch memory.
 #[derive(Clone, Debug)]
@@ -25,7 +35,7 @@ pub struct Simulation<T: Real, const D: usize> {
     /// The whole state, made when somebody asks for it while the fast engine holds the particles.
     seen: OnceLock<State<T, D>>,
     workspace: Workspace<T, D>,
-    watchdog: Watchdog<T, D>,
+    watchdog: Watchdog<Saved<T, D>>,
 }
 
 impl<T: Real, const D: usize> Simulation<T, D> {
@@ -68,6 +78,11 @@ impl<T: Real, const D: usize> Simulation<T, D> {
     pub fn state_mut(&mut self) -> &mut State<T, D> {
         self.unload();
         &mut self.state
+    }
+
+    /// Bytes of particles and grid that the fast engine holds; those of snapshots and of the reference engine are not counted.
+    pub fn bytes(&self) -> usize {
+        self.workspace.fast.as_ref().map_or(0, |fast| fast.bytes())
     }
 
     /// Takes the particles back from the fast engine.
@@ -126,7 +141,7 @@ impl<T: Real, const D: usize> Simulation<T, D> {
             None => kinetic_on_grid(&self.scene, &self.state, &mut self.workspace),
         };
         let dt = self.step_length();
-        self.watch(self.state().clone(), kinetic, dt, Check::Between)
+        self.watch(self.candidate(), kinetic, dt, Check::Between)
     }
 
     /// Takes one step, not beyond `end` [s]. Where the watchdog, which looks every so many steps, refuses the state, the step
@@ -145,7 +160,7 @@ impl<T: Real, const D: usize> Simulation<T, D> {
         }
         let checked =
             control.watchdog_interval > 0 && self.state.steps.is_multiple_of(control.watchdog_interval);
-        let candidate = checked.then(|| self.state().clone());
+        let candidate = checked.then(|| self.candidate());
         let remaining = end - self.state.time;
         let dt = meet(self.step_length(), remaining);
         let kinetic = self.step_or_halve(dt, checked)?;
@@ -203,15 +218,30 @@ impl<T: Real, const D: usize> Simulation<T, D> {
         unreachable!("the loop returns")
     }
 
+    /// The state as the watchdog wants it.
+    fn candidate(&self) -> Candidate<Saved<T, D>> {
+        let Simulation { scene, state, workspace, .. } = self;
+        let (particles, stored) = match &workspace.fast {
+            Some(fast) => (Some(fast.save()), fast.stored_energy(scene, &state.origin)),
+            None => {
+                let elastic = elastic_energy(scene, &state.motion, &state.constants);
+                (None, StoredEnergy { elastic, potential: potential_energy(scene, state) })
+            }
+        };
+        let saved = Saved { state: state.clone(), particles };
+        Candidate { saved, time: state.time, stored, work: state.ledger.collider_work() }
+    }
+
     /// Shows the watchdog a state that the run was in; `false` where it went back.
     fn watch(
         &mut self,
-        state: State<T, D>,
+        candidate: Candidate<Saved<T, D>>,
         kinetic: f64,
         dt: f64,
         check: Check,
     ) -> Result<bool, SimulationError> {
-        match self.watchdog.check(&self.scene, state, kinetic, dt, check) {
+        let tolerance = self.scene.time_step.watchdog_tolerance;
+        match self.watchdog.check(candidate, kinetic, dt, check, tolerance) {
             Verdict::Accepted => Ok(true),
             Verdict::Refused(error) => self.restore(error).map(|()| false),
         }
@@ -222,9 +252,12 @@ impl<T: Real, const D: usize> Simulation<T, D> {
         let restores = self.state.ledger.watchdog_restores + 1;
         let rejected = self.state.ledger.rejected_steps;
         let factor = self.state.step_factor * 0.5;
-        if let Some(accepted) = self.watchdog.go_back() {
-            self.unload();
-            self.state = accepted;
+        if let Some(Saved { state, particles }) = self.watchdog.go_back() {
+            self.state = state;
+            self.seen.take();
+            if let (Some(fast), Some(particles)) = (&mut self.workspace.fast, particles) {
+                fast.restore(&self.scene, particles);
+            }
         }
         self.state.ledger.watchdog_restores = restores;
         self.state.ledger.rejected_steps = rejected;

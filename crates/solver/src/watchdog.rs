@@ -1,23 +1,23 @@
 //! The watchdog: energy cannot come from nowhere. It keeps the latest state it has accepted, to go back to.
 
-use crate::diagnostics::{elastic_energy, potential_energy, total_mass};
+use crate::diagnostics::total_mass;
 use crate::error::SimulationError;
 use crate::real::Real;
 use crate::scene::Scene;
 use crate::state::State;
 
-/// What a run is watched by.
+/// What a run is watched by; `S` is what it goes back to.
 #[derive(Clone, Debug)]
-pub(crate) struct Watchdog<T: Real, const D: usize> {
-    accepted: Option<Snapshot<T, D>>,
+pub(crate) struct Watchdog<S> {
+    accepted: Option<Snapshot<S>>,
     /// What a rise is measured by [J].
     scale: f64,
 }
 
 /// The latest state that passed.
 #[derive(Clone, Debug)]
-struct Snapshot<T: Real, const D: usize> {
-    state: State<T, D>,
+struct Snapshot<S> {
+    saved: S,
     /// Its energy [J].
     energy: f64,
     /// The energy that a later one is compared with [J]: that of the latest check on schedule.
@@ -34,6 +34,25 @@ pub(crate) enum Check {
     Between,
 }
 
+/// What a state holds beside its motion [J].
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct StoredEnergy {
+    pub elastic: f64,
+    /// 0 at the world's origin.
+    pub potential: f64,
+}
+
+/// A state that is looked at.
+#[derive(Clone, Debug)]
+pub(crate) struct Candidate<S> {
+    pub saved: S,
+    /// [s].
+    pub time: f64,
+    pub stored: StoredEnergy,
+    /// Work of obstacles on the material so far [J].
+    pub work: f64,
+}
+
 /// What a check found.
 pub(crate) enum Verdict {
     /// The state is the new snapshot.
@@ -42,35 +61,33 @@ pub(crate) enum Verdict {
     Refused(SimulationError),
 }
 
-impl<T: Real, const D: usize> Watchdog<T, D> {
+impl<S: Clone> Watchdog<S> {
     /// For a run of `scene` from `state`.
-    pub(crate) fn new(scene: &Scene<T, D>, state: &State<T, D>) -> Self {
+    pub(crate) fn new<T: Real, const D: usize>(scene: &Scene<T, D>, state: &State<T, D>) -> Self {
         let gravity = scene.gravity.norm().as_f64();
         // The energy to lift all material by one cell: the least that a rise is measured by in a scene at rest.
         Watchdog { accepted: None, scale: total_mass(state) * gravity * scene.spacing.as_f64() }
     }
 
-    /// Compares the energy of `state`, whose kinetic energy on the grid is `kinetic` [J], with that of an earlier check:
-    /// elastic, potential, and kinetic as the grid sees it, less the work of obstacles, can only fall. `dt` is the step
-    /// that a refusal is laid to [s].
+    /// Compares the energy of a state, whose kinetic energy on the grid is `kinetic` [J], with that of an earlier check:
+    /// elastic, potential, and kinetic as the grid sees it, less the work of obstacles, can only fall, but for a share of `tolerance`. `dt` is
+    /// the step that a refusal is laid to [s].
     pub(crate) fn check(
         &mut self,
-        scene: &Scene<T, D>,
-        state: State<T, D>,
+        candidate: Candidate<S>,
         kinetic: f64,
         dt: f64,
         check: Check,
+        tolerance: f64,
     ) -> Verdict {
-        let elastic = elastic_energy(scene, &state.motion, &state.constants);
-        let work = state.ledger.collider_work();
-        let energy = kinetic + elastic + potential_energy(scene, &state) - work;
+        let Candidate { saved, time, stored, work } = candidate;
+        let energy = kinetic + stored.elastic + stored.potential - work;
         let mut reference = energy;
         if let Some(snapshot) = &self.accepted {
             let scale = self.scale.max(work.abs());
-            let tolerance = scene.time_step.watchdog_tolerance;
             // Written so that a NaN is refused as well.
             if !(energy - snapshot.reference <= tolerance * scale) {
-                let (time, before, after) = (state.time, snapshot.reference, energy);
+                let (before, after) = (snapshot.reference, energy);
                 return Verdict::Refused(SimulationError::EnergyRise {
                     time,
                     before,
@@ -84,16 +101,16 @@ impl<T: Real, const D: usize> Watchdog<T, D> {
                 reference = snapshot.reference;
             }
         } else {
-            self.scale = self.scale.max(kinetic + elastic);
+            self.scale = self.scale.max(kinetic + stored.elastic);
         }
-        self.accepted = Some(Snapshot { state, energy, reference });
+        self.accepted = Some(Snapshot { saved, energy, reference });
         Verdict::Accepted
     }
 
     /// The snapshot, from which a rise counts anew; `None` before the first check.
-    pub(crate) fn go_back(&mut self) -> Option<State<T, D>> {
+    pub(crate) fn go_back(&mut self) -> Option<S> {
         let snapshot = self.accepted.as_mut()?;
         snapshot.reference = snapshot.energy;
-        Some(snapshot.state.clone())
+        Some(snapshot.saved.clone())
     }
 }

@@ -1,14 +1,20 @@
 //! CPUs for which the fast engine has no kernels: they run the reference engine.
 
 use crate::error::{Rejection, SceneError};
+use crate::geometry::Vector;
 use crate::ledger::StepLedger;
 use crate::real::Real;
 use crate::scene::Scene;
 use crate::state::State;
+use crate::watchdog::StoredEnergy;
 
 /// Numbers of any kind.
 pub trait HasRegisters {}
 impl<T> HasRegisters for T {}
+
+/// Nothing to save.
+#[derive(Clone, Debug)]
+pub(crate) struct Saved<T, const D: usize>(std::marker::PhantomData<T>);
 
 /// Not to be had.
 #[derive(Clone, Debug)]
@@ -29,6 +35,16 @@ impl<T: Real, const D: usize> Fast<T, D> {
     pub fn write(&self, _scene: &Scene<T, D>, _state: &mut State<T, D>) {}
     pub fn fastest(&self) -> [T; 2] {
         [T::zero(); 2]
+    }
+    pub fn save(&self) -> Saved<T, D> {
+        Saved(std::marker::PhantomData)
+    }
+    pub fn restore(&mut self, _scene: &Scene<T, D>, _saved: Saved<T, D>) {}
+    pub fn stored_energy(&self, _scene: &Scene<T, D>, _origin: &Vector<f64, D>) -> StoredEnergy {
+        StoredEnergy::default()
+    }
+    pub fn bytes(&self) -> usize {
+        0
     }
     pub fn kinetic_on_grid(&mut self, _scene: &Scene<T, D>) -> f64 {
         0.0

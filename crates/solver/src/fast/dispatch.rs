@@ -1,5 +1,6 @@
 //! The kernels, compiled for each instruction set, and the choice among them.
 
+use super::energy;
 use super::grid::Node;
 use super::nodes::{self, NodeEnergies, Push};
 use super::particles::{Block, Label, Layout, Particles};
@@ -7,9 +8,11 @@ use super::simd::{CHUNK, InstructionSet};
 use super::transfer::{self, Scratch, Terms};
 use super::update::{BlockReport, MaterialNumbers, Update};
 use super::weights::LaneKernel;
+use crate::geometry::Vector;
 use crate::kernel::{Cubic, KernelKind, Quadratic};
 use crate::real::Real;
 use crate::scene::{Scene, Transfer};
+use crate::watchdog::StoredEnergy;
 
 /// An instruction set that the CPU has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,15 +61,15 @@ impl HasRegisters for f64 {
 /// `$name(set, ...)` runs `$body::<I, ...>(...)`, compiled for the instruction set that `set` names.
 macro_rules! for_each_set {
     (fn $name:ident[$($generic:tt)*][$($given:tt)*]($($argument:ident: $kind:ty),* $(,)?) -> $result:ty = $($body:ident)::+) => {
-        #[expect(clippy::too_many_arguments, reason = "the parts of a stage")]
+        #[allow(clippy::too_many_arguments, reason = "the parts of a stage")]
         fn $name<$($generic)*>(set: Set, $($argument: $kind),*) -> $result {
             #[target_feature(enable = "avx2,fma")]
-            #[expect(clippy::too_many_arguments, reason = "the parts of a stage")]
+            #[allow(clippy::too_many_arguments, reason = "the parts of a stage")]
             fn narrow<$($generic)*>($($argument: $kind),*) -> $result {
                 $($body)::+::<<T as HasRegisters>::Narrow, $($given)*>($($argument),*)
             }
             #[target_feature(enable = "avx2,fma,avx512f,avx512dq,avx512vl,avx512bw")]
-            #[expect(clippy::too_many_arguments, reason = "the parts of a stage")]
+            #[allow(clippy::too_many_arguments, reason = "the parts of a stage")]
             fn wide<$($generic)*>($($argument: $kind),*) -> $result {
                 $($body)::+::<<T as HasRegisters>::Wide, $($given)*>($($argument),*)
             }
@@ -113,6 +116,16 @@ for_each_set!(
 );
 for_each_set!(
     fn kinetic[T: Real, const D: usize][T, D](sums: &[Node<T>], motion: &[Node<T>]) -> f64 = nodes::kinetic_energy
+);
+for_each_set!(
+    fn energy[T: Real, const D: usize][T, D](
+        fields: &[[T; CHUNK]],
+        labels: &[[Label; CHUNK]],
+        layout: Layout<D>,
+        materials: &[MaterialNumbers<T>],
+        gravity: &Vector<T, D>,
+        origin: &Vector<f64, D>,
+    ) -> StoredEnergy = energy::stored_energy
 );
 
 /// A function generic over kernel and terms, called with both as compile-time constants.
@@ -172,4 +185,17 @@ pub(super) fn push_nodes<T: Real, const D: usize>(
 /// See [`nodes::kinetic_energy`].
 pub(super) fn kinetic_energy<T: Real, const D: usize>(set: Set, sums: &[Node<T>], motion: &[Node<T>]) -> f64 {
     kinetic::<T, D>(set, sums, motion)
+}
+
+/// See [`energy::stored_energy`].
+pub(super) fn stored_energy<T: Real, const D: usize>(
+    set: Set,
+    fields: &[[T; CHUNK]],
+    labels: &[[Label; CHUNK]],
+    layout: Layout<D>,
+    materials: &[MaterialNumbers<T>],
+    gravity: &Vector<T, D>,
+    origin: &Vector<f64, D>,
+) -> StoredEnergy {
+    energy::<T, D>(set, fields, labels, layout, materials, gravity, origin)
 }

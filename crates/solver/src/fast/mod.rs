@@ -9,6 +9,8 @@
 #[cfg(target_arch = "x86_64")]
 mod dispatch;
 #[cfg(target_arch = "x86_64")]
+mod energy;
+#[cfg(target_arch = "x86_64")]
 mod grid;
 #[cfg(target_arch = "x86_64")]
 mod nodes;
@@ -22,6 +24,8 @@ mod simd;
 mod step;
 #[cfg(target_arch = "x86_64")]
 mod strain;
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests;
 #[cfg(target_arch = "x86_64")]
 mod transfer;
 #[cfg(target_arch = "x86_64")]
@@ -34,9 +38,11 @@ mod x86;
 #[cfg(target_arch = "x86_64")]
 pub use dispatch::HasRegisters;
 #[cfg(target_arch = "x86_64")]
-pub(crate) use step::Fast;
+pub(crate) use step::{Fast, Saved};
 
 #[cfg(not(target_arch = "x86_64"))]
 mod absent;
 #[cfg(not(target_arch = "x86_64"))]
-pub(crate) use absent::{Fast, HasRegisters};
+pub use absent::HasRegisters;
+#[cfg(not(target_arch = "x86_64"))]
+pub(crate) use absent::{Fast, Saved};

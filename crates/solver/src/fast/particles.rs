@@ -7,7 +7,6 @@ use super::grid::{BlockHash, block_edge};
 use super::pool::{Pool, Shared};
 use super::simd::CHUNK;
 use crate::geometry::{Matrix, Vector};
-use crate::ledger::Ledger;
 use crate::particles::{ParticleConstants, ParticleMotion};
 use crate::real::Real;
 use crate::scene::Scene;
@@ -288,13 +287,4 @@ impl<T: Real, const D: usize> Particles<T, D> {
     pub fn bytes(&self) -> usize {
         std::mem::size_of_val(&self.fields[..]) + std::mem::size_of_val(&self.labels[..])
     }
-}
-
-/// The parts of a state beside its particles.
-#[derive(Clone, Debug)]
-pub(crate) struct Books<const D: usize> {
-    pub time: f64,
-    pub steps: u64,
-    pub ledger: Ledger<D>,
-    pub first_contact: Option<f64>,
 }

@@ -1,16 +1,17 @@
 //! The fast engine's step: the stages of `step.rs`, each over blocks on all threads.
 
 use super::dispatch::{self, Set};
-use super::grid::{BLOCK_NODES, BlockGrid};
+use super::grid::{BLOCK_NODES, BlockGrid, Node, block_edge};
 use super::nodes::{NodeEnergies, Push, node_position};
 use super::particles::Particles;
 use super::pool::{Pool, Shared};
-use super::simd::CHUNK;
+use super::simd::CHANNELS;
 use super::transfer::{Scratch, Terms};
 use super::update::{BlockReport, MaterialNumbers, Update, is_near, surroundings};
 use crate::collision::{Contact, Interval, MirrorPlane, collide_node};
 use crate::diagnostics;
 use crate::error::{Rejection, SceneError};
+use crate::geometry::Vector;
 use crate::grid::NodeMotion;
 use crate::ledger::StepLedger;
 use crate::mirror::{self, Fold};
@@ -18,10 +19,19 @@ use crate::real::Real;
 use crate::scene::Scene;
 use crate::state::State;
 use crate::timestep::{fastest_particle_squared, fastest_wave_squared};
+use crate::watchdog::StoredEnergy;
 
 /// Particles are sorted anew after so many steps, or when one leaves what its block's tile allows for (chosen: a sort costs a few steps'
 /// worth; in 16 steps most particles are still in their cells).
 const SORT_INTERVAL: usize = 16;
+
+/// All that there is to the particles between two steps.
+#[derive(Clone, Debug)]
+pub(crate) struct Saved<T: Real, const D: usize> {
+    particles: Particles<T, D>,
+    kinetic: f64,
+    fastest: [T; 2],
+}
 
 /// A step since the last sort, to be taken again.
 #[derive(Clone, Copy, Debug)]
@@ -81,7 +91,8 @@ impl<T: Real, const D: usize> Fast<T, D> {
         }))
     }
 
-    /// Takes another instruction set than the widest; for tests.
+    /// Takes another instruction set than the widest.
+    #[cfg(test)]
     pub fn set_instructions(&mut self, set: Set) {
         self.set = set;
     }
@@ -116,6 +127,48 @@ impl<T: Real, const D: usize> Fast<T, D> {
     /// max c_p^2 and max |v_p|^2 [m^2/s^2].
     pub fn fastest(&self) -> [T; 2] {
         [self.fastest_wave_squared, self.fastest_squared]
+    }
+
+    /// A copy of the particles.
+    pub fn save(&self) -> Saved<T, D> {
+        Saved { particles: self.particles.clone(), kinetic: self.kinetic, fastest: self.fastest() }
+    }
+
+    /// Goes back to a copy.
+    pub fn restore(&mut self, scene: &Scene<T, D>, saved: Saved<T, D>) {
+        self.before = saved.particles;
+        self.kinetic = saved.kinetic;
+        [self.fastest_wave_squared, self.fastest_squared] = saved.fastest;
+        self.settle(scene);
+        self.loaded = true;
+    }
+
+    /// Elastic and potential energy, where `origin` is the world position of the local one.
+    pub fn stored_energy(&self, scene: &Scene<T, D>, origin: &Vector<f64, D>) -> StoredEnergy {
+        let Particles { layout, fields, labels, blocks } = &self.particles;
+        let mut energies = vec![StoredEnergy::default(); blocks.len()];
+        let shared = Shared::new(&mut energies);
+        self.pool.run(
+            blocks.len(),
+            || (),
+            |_, home| {
+                let block = &blocks[home];
+                let chunks = block.first_chunk..block.first_chunk + block.chunks();
+                let fields = &fields[chunks.start * layout.fields()..chunks.end * layout.fields()];
+                let (labels, materials, gravity) = (&labels[chunks], &self.materials, &scene.gravity);
+                let energy =
+                    dispatch::stored_energy(self.set, fields, labels, *layout, materials, gravity, origin);
+                #[expect(unsafe_code, reason = "tasks write to numbers of their own")]
+                // SAFETY: every block belongs to one task.
+                unsafe {
+                    shared.range(home, 1)[0] = energy;
+                }
+            },
+        );
+        energies.iter().fold(StoredEnergy::default(), |sum, part| StoredEnergy {
+            elastic: sum.elastic + part.elastic,
+            potential: sum.potential + part.potential,
+        })
     }
 
     /// Bytes of particles and grid in store.
@@ -396,8 +449,8 @@ impl<T: Real, const D: usize> Fast<T, D> {
                         copy_run(&grid.change[node..node + count], tile, &mut scratch.second_tile);
                     }
                 });
-                let edge = super::grid::block_edge::<D>();
-                let reach = surroundings(block.corner.map(|n| n * edge), scene.spacing);
+                let first_node = block.corner.map(|n| n * block_edge::<D>());
+                let reach = surroundings(first_node, scene.spacing);
                 if is_near(&scene.colliders, &reach, interval.arrival) {
                     report.contact = Some(Box::new(StepLedger::new(scene.colliders.len())));
                 }
@@ -428,31 +481,33 @@ impl<T: Real, const D: usize> Fast<T, D> {
         Ok(())
     }
 
-    /// Particles, and lanes that only fill up chunks.
-    pub fn occupancy(&self) -> (usize, usize) {
-        let particles = self.particles.len();
-        (particles, self.particles.labels.len() * CHUNK - particles)
+    /// Mass [kg], momentum [kg m/s] and force [N] of all nodes, after [`Fast::kinetic_on_grid`].
+    #[cfg(test)]
+    pub fn grid_totals(&self) -> (f64, Vector<f64, D>, Vector<f64, D>) {
+        let sum = |nodes: &[Node<T>], channel: usize| nodes.iter().map(|node| node[channel].as_f64()).sum();
+        let (sums, forces) = (&self.grid.sums, &self.grid.forces);
+        (sum(sums, D), Vector::from_fn(|k, _| sum(sums, k)), Vector::from_fn(|k, _| sum(forces, k)))
     }
 }
 
 /// Adds `nodes.len()` nodes of the tile from `first` on.
 #[inline(always)]
-fn add_run<T: Real>(tile: &[T], first: usize, nodes: &mut [super::grid::Node<T>]) {
-    let tile = &tile[first * super::simd::CHANNELS..];
+fn add_run<T: Real>(tile: &[T], first: usize, nodes: &mut [Node<T>]) {
+    let tile = &tile[first * CHANNELS..];
     for (sum, value) in nodes.as_flattened_mut().iter_mut().zip(tile) {
         *sum += *value;
     }
 }
 
 #[inline(always)]
-fn copy_run<T: Real>(nodes: &[super::grid::Node<T>], first: usize, tile: &mut [T]) {
+fn copy_run<T: Real>(nodes: &[Node<T>], first: usize, tile: &mut [T]) {
     let nodes = nodes.as_flattened();
-    tile[first * super::simd::CHANNELS..][..nodes.len()].copy_from_slice(nodes);
+    tile[first * CHANNELS..][..nodes.len()].copy_from_slice(nodes);
 }
 
 fn read_motion<T: Real, const D: usize>(
-    motion: &[super::grid::Node<T>],
-    change: &[super::grid::Node<T>],
+    motion: &[Node<T>],
+    change: &[Node<T>],
     local: usize,
     apart: bool,
 ) -> NodeMotion<T, D> {
@@ -467,8 +522,8 @@ fn read_motion<T: Real, const D: usize>(
 }
 
 fn write_motion<T: Real, const D: usize>(
-    motion: &mut [super::grid::Node<T>],
-    change: &mut [super::grid::Node<T>],
+    motion: &mut [Node<T>],
+    change: &mut [Node<T>],
     local: usize,
     apart: bool,
     node: &NodeMotion<T, D>,

@@ -122,11 +122,19 @@ fn planar_stretch<T: Real, V: Lanes<T>, const D: usize>(h: &Matrix<V, D>, e: &Ma
             f[i][i] = one + h[i][i];
         }
         let volume = minor(&f, 0, 1);
-        let per_root = one / root.max(V::splat(T::of(T::LEAST_SQUARE)));
+        let mut left = f;
         for i in 0..D {
             for j in 0..D {
-                let left = f[i][0].mul_add(f[j][0], f[i][1] * f[j][1]);
-                let stretch = if i == j { (left + volume) * per_root - one } else { left * per_root };
+                left[i][j] = f[i][0].mul_add(f[j][0], f[i][1] * f[j][1]);
+            }
+        }
+        // t >= |F| wherever det F > 0; round-off of F itself may say otherwise where nothing else is left of it.
+        let size = (left[0][0] + left[1][1]).sqrt();
+        let per_root = one / root.max(size).max(V::splat(T::of(T::LEAST_SQUARE)));
+        for i in 0..D {
+            for j in 0..D {
+                let stretch =
+                    if i == j { (left[i][j] + volume) * per_root - one } else { left[i][j] * per_root };
                 s[i][j] = V::select(flat, stretch, s[i][j]);
             }
         }

@@ -211,7 +211,7 @@ struct ChunkSums<T> {
 }
 
 #[inline(always)]
-fn load_matrix<T: Real, V: Lanes<T>, const D: usize>(
+pub(super) fn load_matrix<T: Real, V: Lanes<T>, const D: usize>(
     chunk: &[[T; CHUNK]],
     field: usize,
     lane: usize,
@@ -315,10 +315,8 @@ fn update_lanes<V: Lanes<T>, T: Real, const D: usize, const MOMENTS: bool, const
     let mut interpolated = [zero; D];
     let mut kept = [zero; D];
     let mut squared = zero;
-    for i in 0..D {
-        interpolated[i] = group[i];
-        kept[i] = group[i];
-    }
+    interpolated.copy_from_slice(&group[..D]);
+    kept.copy_from_slice(&group[..D]);
     if let Some(share) = update.share {
         let change = if D == 2 {
             [group[2], group[3], zero, zero]
