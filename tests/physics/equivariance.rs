@@ -90,7 +90,13 @@ fn impact<const D: usize>(
     first[1] = 0;
     let mut particles = lattice(h, first, [cells; D], 2, velocity);
     let mut random = Random(41);
-    particles.iter_mut().for_each(|p| p.position += random.vector::<f64, D>(0.004));
+    for p in &mut particles {
+        p.position += random.vector::<f64, D>(0.004);
+        // No two particles are alike, so that none can take another's place.
+        let unlike = random.vector::<f64, 3>(0.2);
+        (p.mass, p.volume) = (p.mass * (1.0 + unlike[0]), p.volume * (1.0 + unlike[1]));
+        p.stiffness_scale = 1.0 + unlike[2];
+    }
     (scene, particles)
 }
 

@@ -30,7 +30,7 @@ end = 1.0
 #[test]
 fn a_particle_that_meets_a_bound_again_and_again_counts_once() {
     let run = |bounds: &str| {
-        run_scene::<2>(&spec::parse(&scene(bounds)).unwrap(), Path::new("."), &mut Unobserved).unwrap()
+        run_scene::<2>(&spec::parse(&scene(bounds)).unwrap(), Path::new("."), 1, &mut Unobserved).unwrap()
     };
     let bounded = run(", plastic_ratio_bounds = [0.7, inf]");
     let record = &bounded.record;

@@ -10,7 +10,7 @@ use snowlab_study::spec::{self, SceneSpec};
 fn metrics(text: &str, folder: &Path) -> Metrics {
     let scene: SceneSpec = spec::parse(text).unwrap();
     let rule: MeasureSpec = toml::from_str("largest_spacing = 0.0625").unwrap();
-    let run = run_scene::<2>(&scene, folder, &mut Unobserved).unwrap();
+    let run = run_scene::<2>(&scene, folder, 1, &mut Unobserved).unwrap();
     measure(&rule, &scene, &run.frames, &run.record).unwrap()
 }
 

@@ -69,7 +69,7 @@ impl Observer for Witness {
 
 fn run(text: &str) -> (Run<2>, Diary) {
     let mut witness = Witness { end: 0.06, diary: Diary::default() };
-    let run = run_scene::<2>(&spec::parse(text).unwrap(), Path::new("."), &mut witness).unwrap();
+    let run = run_scene::<2>(&spec::parse(text).unwrap(), Path::new("."), 1, &mut witness).unwrap();
     (run, witness.diary)
 }
 

@@ -62,7 +62,8 @@ impl<T: Real, const D: usize> Simulation<T, D> {
         &self.scene
     }
 
-    /// The state now.
+    /// The state now. Asked for while the fast engine holds the particles it is made anew, once a step: [`Simulation::time`] and its like cost
+    /// nothing.
     pub fn state(&self) -> &State<T, D> {
         match &self.workspace.fast {
             Some(fast) if fast.is_loaded() => self.seen.get_or_init(|| {
@@ -72,6 +73,21 @@ impl<T: Real, const D: usize> Simulation<T, D> {
             }),
             _ => &self.state,
         }
+    }
+
+    /// Time [s].
+    pub fn time(&self) -> f64 {
+        self.state.time
+    }
+
+    /// Accepted steps.
+    pub fn steps(&self) -> u64 {
+        self.state.steps
+    }
+
+    /// When an obstacle, mirrors not counted, first changed a velocity [s].
+    pub fn first_contact(&self) -> Option<f64> {
+        self.state.first_contact
     }
 
     /// The state, to be changed between steps (for tests and prepared scenes).

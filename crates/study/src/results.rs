@@ -103,18 +103,18 @@ impl<'a> Archive<'a> {
         (0..self.keys.len()).filter(|&index| !self.case_folder(index).is_finished()).collect()
     }
 
-    /// Runs case number `index` and stores what it gives: frames first, the record last. A case that cannot be built, or
+    /// Runs case number `index` on so many threads and stores what it gives: frames first, the record last. A case that cannot be built, or
     /// in which the program panics, leaves a record that says so; after a panic the case still counts as missing.
     ///
     /// # Errors
     /// [`StoreError`].
-    pub fn run(&self, index: usize, observer: &mut impl Observer) -> Result<(), StoreError> {
+    pub fn run(&self, index: usize, threads: usize, observer: &mut impl Observer) -> Result<(), StoreError> {
         let scene = &self.study.cases[index].scene;
         let folder = self.case_folder(index);
         // What a panic leaves half done is the observer's count of steps and files that no record vouches for.
         let ended = catch_unwind(AssertUnwindSafe(|| match scene.dimension {
-            3 => self.run_in::<3>(scene, &folder, observer),
-            _ => self.run_in::<2>(scene, &folder, observer),
+            3 => self.run_in::<3>(scene, &folder, threads, observer),
+            _ => self.run_in::<2>(scene, &folder, threads, observer),
         }));
         match ended {
             Ok(ended) => ended.and_then(|()| folder.forget_panic()),
@@ -130,10 +130,11 @@ impl<'a> Archive<'a> {
         &self,
         scene: &SceneSpec,
         folder: &CaseFolder,
+        threads: usize,
         observer: &mut impl Observer,
     ) -> Result<(), StoreError> {
         folder.write_json("case.json", scene)?;
-        let run = match run_scene::<D>(scene, self.folder, observer) {
+        let run = match run_scene::<D>(scene, self.folder, threads, observer) {
             Ok(run) => run,
             Err(error) => {
                 let record = RunRecord::without_particles(Outcome::not_built(error.to_string()));

@@ -45,32 +45,35 @@ impl Observer for Unobserved {
     fn frame<T: Real, const D: usize>(&mut self, _simulation: &Simulation<T, D>) {}
 }
 
-/// Runs `spec` in the precision it asks for. Paths in it are relative to `folder`. A run that stops is a record, not an error.
+/// Runs `spec` in the precision it asks for, on so many threads, whose number shows in no result. Paths in it are relative to `folder`. A run
+/// that stops is a record, not an error.
 ///
 /// # Errors
 /// A scene that cannot be built.
 pub fn run_scene<const D: usize>(
     spec: &SceneSpec,
     folder: &Path,
+    threads: usize,
     observer: &mut impl Observer,
 ) -> Result<Run<D>, SpecError> {
     match spec.numerics.precision {
-        PrecisionName::F64 => run::<f64, D>(spec, folder, observer),
-        PrecisionName::F32 => run::<f32, D>(spec, folder, observer),
+        PrecisionName::F64 => run::<f64, D>(spec, folder, threads, observer),
+        PrecisionName::F32 => run::<f32, D>(spec, folder, threads, observer),
     }
 }
 
 fn run<T: Real, const D: usize>(
     spec: &SceneSpec,
     folder: &Path,
+    threads: usize,
     observer: &mut impl Observer,
 ) -> Result<Run<D>, SpecError> {
     let Assembly { scene, state, made } = assemble::<T, D>(spec, folder)?;
     let unit = time_unit(&spec.output, made.crossing_time)?;
     let clock = FrameClock::new(spec, unit);
     let mut kept = Kept { frames: Frames::new(&state), history: Vec::new() };
-    let mut simulation =
-        Simulation::new(scene, state).map_err(|error| SpecError::value("scene", error.to_string()))?;
+    let mut simulation = Simulation::with_threads(scene, state, threads)
+        .map_err(|error| SpecError::value("scene", error.to_string()))?;
     check_steps(step_length(simulation.scene(), simulation.state()), clock.end(None))?;
     let outcome = loop {
         match advance(&mut simulation, &clock, &mut kept, observer) {
@@ -93,7 +96,7 @@ fn advance<T: Real, const D: usize>(
     kept: &mut Kept<D>,
     observer: &mut impl Observer,
 ) -> Result<Option<Outcome>, SimulationError> {
-    let (time, contact) = (simulation.state().time, simulation.state().first_contact);
+    let (time, contact) = (simulation.time(), simulation.first_contact());
     if time >= clock.next_frame(kept.latest(), contact) {
         // Only what the watchdog has accepted is kept, and it never goes back beyond that.
         if !simulation.confirm()? {
@@ -108,8 +111,7 @@ fn advance<T: Real, const D: usize>(
         // A state that the watchdog refuses is none to stop at: the run goes on from the one it went back to.
         return if simulation.confirm()? { Err(error) } else { Ok(None) };
     }
-    let state = simulation.state();
-    observer.progress(state.time / clock.end(state.first_contact), state.steps);
+    observer.progress(simulation.time() / clock.end(simulation.first_contact()), simulation.steps());
     Ok(None)
 }
 
@@ -132,7 +134,7 @@ impl<const D: usize> Kept<D> {
 
     /// Keeps the state that a run stopped at, unless it is a frame already.
     fn keep_last<T: Real>(&mut self, simulation: &Simulation<T, D>, observer: &mut impl Observer) {
-        if self.latest().is_none_or(|latest| simulation.state().time > latest) {
+        if self.latest().is_none_or(|latest| simulation.time() > latest) {
             self.keep(simulation, observer);
         }
     }

@@ -1,4 +1,4 @@
-//! Cases side by side: one thread each, the longest first.
+//! Cases side by side, the longest first: one thread each, or more where there are fewer cases than cores.
 
 use std::sync::Mutex;
 use std::time::Instant;
@@ -45,6 +45,9 @@ pub fn run_cases(
     progress: &impl Progress,
 ) -> Result<(), Vec<(usize, StoreError)>> {
     let cases = &archive.study.cases;
+    let jobs = jobs.max(1);
+    // A thread for each of many cases keeps all cores busy; few cases share the cores.
+    let threads = (jobs / numbers.len().max(1)).max(1);
     let mut order: Vec<usize> = numbers.to_vec();
     order.sort_by(|&a, &b| predicted_work(&cases[b]).total_cmp(&predicted_work(&cases[a])).then(a.cmp(&b)));
     let total: f64 = order.iter().map(|&index| predicted_work(&cases[index])).sum();
@@ -53,7 +56,7 @@ pub fn run_cases(
         let started = Instant::now();
         let mut watcher =
             Watcher { tally: &tally, progress, work: predicted_work(&cases[index]), reported: 0.0 };
-        let result = archive.run(index, &mut watcher).and_then(|()| {
+        let result = archive.run(index, threads, &mut watcher).and_then(|()| {
             let clock = Clock::read(started.elapsed().as_secs_f64(), jobs);
             archive.case_folder(index).write_json("clock.json", &clock)
         });
@@ -61,12 +64,11 @@ pub fn run_cases(
         progress.finished(&cases[index], result.as_ref().map(|_| ()));
         result.err().map(|error| (index, error))
     };
-    let pool =
-        rayon::ThreadPoolBuilder::new().num_threads(jobs.max(1)).build().expect("threads can be started");
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build().expect("threads can be started");
     // One case a task, taken in order: the long ones first, so that the last to end are short.
     let queue = Mutex::new(order.iter());
     let mut failures: Vec<_> = pool.install(|| {
-        (0..jobs.max(1))
+        (0..jobs)
             .into_par_iter()
             .with_max_len(1)
             .flat_map_iter(|_| {

@@ -48,6 +48,9 @@ pub enum Command {
         /// Folder for the frames
         #[arg(long)]
         out: PathBuf,
+        /// Threads; all cores if not told. Their number shows in no result
+        #[arg(long)]
+        threads: Option<usize>,
     },
     /// Place the particles of a scene and write them, without running it
     Sample {
@@ -105,7 +108,7 @@ impl Command {
             Command::Run { study, jobs } => study::run(&study, jobs),
             Command::Report(study) => study::report(&study),
             Command::Check(study) => study::check(&study),
-            Command::Simulate { scene, out } => simulate::simulate(&scene, &out),
+            Command::Simulate { scene, out, threads } => simulate::simulate(&scene, &out, threads),
             Command::Sample { scene, output } => sample::sample(&scene, &output),
             Command::Verify(arguments) => verify::verify(&arguments),
             Command::Fragments { file, link, min_mass_share, json } => {

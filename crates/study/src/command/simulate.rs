@@ -12,14 +12,15 @@ use snowlab_study::tables::energies;
 
 use super::Exit;
 
-/// Runs the scene; frames, energies and collider forces go to `out`.
-pub fn simulate(path: &Path, out: &Path) -> anyhow::Result<Exit> {
+/// Runs the scene on so many threads, all cores if not told; frames, energies and collider forces go to `out`.
+pub fn simulate(path: &Path, out: &Path, threads: Option<usize>) -> anyhow::Result<Exit> {
     let (scene, _) = spec::read::<SceneSpec>(path)?;
+    let threads = threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut writer = FrameWriter { out: out.into(), frames: 0, error: None };
     let record = match scene.dimension {
-        3 => run_scene::<3>(&scene, folder, &mut writer).map(|run| run.record),
-        _ => run_scene::<2>(&scene, folder, &mut writer).map(|run| run.record),
+        3 => run_scene::<3>(&scene, folder, threads, &mut writer).map(|run| run.record),
+        _ => run_scene::<2>(&scene, folder, threads, &mut writer).map(|run| run.record),
     };
     let record = record.map_err(|error| error.within(path.display()))?;
     if let Some(error) = writer.error {

@@ -153,7 +153,7 @@ pub fn run(setting: &Setting) -> anyhow::Result<Evidence> {
     missing
         .par_iter()
         .with_max_len(1)
-        .try_for_each(|&index| archive.run(index, &mut Unobserved))
+        .try_for_each(|&index| archive.run(index, 1, &mut Unobserved))
         .with_context(|| format!("cannot keep the cases of {}", setting.out.display()))?;
     let results = archive.results()?;
     let arms = Arms::of(&results);
