@@ -214,7 +214,7 @@ fn a_run_without_end_is_refused() {
         SCENE.replace("spacing = 0.05", "spacing = 0.05\nwave_courant = 1e-40"),
     ] {
         let scene: SceneSpec = spec::parse(&text).unwrap();
-        let message = run_scene::<2>(&scene, Path::new("."), &mut Unobserved).unwrap_err().to_string();
+        let message = run_scene::<2>(&scene, Path::new("."), 1, &mut Unobserved).unwrap_err().to_string();
         hold_message(&message, &text, &["`output.end`", "steps", "allowed: 1e11", "check spacing"]);
     }
 }
