@@ -21,7 +21,8 @@ pub(super) fn stored_energy<I: InstructionSet<T>, T: Real, const D: usize>(
     let mut total = StoredEnergy::default();
     let fall = gravity.map(|g| g.as_f64()).dot(origin);
     for (chunk, labels) in fields.chunks_exact(layout.fields()).zip(labels) {
-        let material = ChunkMaterial::of(labels, materials);
+        let mut mixed = None;
+        let material = ChunkMaterial::of(labels, materials, &mut mixed);
         let (mut elastic, mut potential) = ([T::zero(); CHUNK], [T::zero(); CHUNK]);
         let mut lane = 0;
         while lane < CHUNK {

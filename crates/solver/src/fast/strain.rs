@@ -204,7 +204,7 @@ fn spatial_stretch<T: Real, V: Lanes<T>, const D: usize>(e: &Matrix<V, D>) -> Ma
     s
 }
 
-#[inline(never)]
+#[inline(always)]
 fn large_stretch<T: Real, V: Lanes<T>, const D: usize>(e: &Matrix<V, D>) -> Matrix<V, D> {
     let Spectrum { values, vectors } = spectrum::<T, V, D>(e);
     let mut roots = values;

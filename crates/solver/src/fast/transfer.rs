@@ -236,6 +236,10 @@ fn scatter_batch<
         }
         for i in 0..K::SUPPORT {
             let weight = I::Row::splat(batch.weight[0][i][p]);
+            if D == 2 && !MOMENTS && !SLOPES {
+                sums[i] = along.mul_add(weight, sums[i]);
+                continue;
+            }
             let mut plane = along * weight;
             if MOMENTS {
                 plane = first[0].mul_add(I::Row::splat(batch.moment[0][i][p]), plane);
@@ -261,6 +265,63 @@ fn scatter_batch<
         }
     }
     pour::<I, T, K, D>(&mut sums, start, tile);
+}
+
+/// [`scatter_batch`] in 2D for momentum and, apart from it, forces at once.
+#[inline(always)]
+fn scatter_planar<
+    I: InstructionSet<T>,
+    T: Real,
+    K: LaneKernel,
+    const D: usize,
+    const MOMENTS: bool,
+    const SLOPES: bool,
+>(
+    batch: &Batch<T>,
+    particles: usize,
+    forced: bool,
+    [tile, force_tile]: [&mut [T]; 2],
+    next: Next,
+) {
+    let mut sums = [I::Row::zero(); MAX_SUPPORT * MAX_SUPPORT];
+    let mut forces = [I::Row::zero(); MAX_SUPPORT * MAX_SUPPORT];
+    let mut start = batch.start[0];
+    for p in 0..particles {
+        next.fetch::<I, T>(p);
+        if batch.start[p] != start {
+            pour::<I, T, K, D>(&mut sums, start, tile);
+            pour::<I, T, K, D>(&mut forces, start, force_tile);
+            start = batch.start[p];
+        }
+        let given = &batch.channels[p];
+        let beyond = I::Row::splat(batch.beyond[p]);
+        let spline = K::row::<T, I::Row>(beyond);
+        let moment = spline.weight * arms::<T, I::Row>(beyond);
+        // Along the last axis; `across` goes with the other axis's moments or slopes.
+        let mut along = group::<I, T>(given, VALUE) * spline.weight;
+        let mut across = I::Row::zero();
+        if MOMENTS {
+            along = group::<I, T>(given, MOMENT + 1).mul_add(moment, along);
+            across = group::<I, T>(given, MOMENT) * spline.weight;
+        }
+        let last = if SLOPES { spline.slope } else { moment };
+        let mut force_along = group::<I, T>(given, SLOPE + 1) * last;
+        if forced {
+            force_along = group::<I, T>(given, OWN_FORCE).mul_add(spline.weight, force_along);
+        }
+        let force_across = group::<I, T>(given, SLOPE) * spline.weight;
+        for i in 0..K::SUPPORT {
+            let weight = I::Row::splat(batch.weight[0][i][p]);
+            sums[i] = along.mul_add(weight, sums[i]);
+            if MOMENTS {
+                sums[i] = across.mul_add(I::Row::splat(batch.moment[0][i][p]), sums[i]);
+            }
+            let last = if SLOPES { batch.slope[0][i][p] } else { batch.moment[0][i][p] };
+            forces[i] = force_across.mul_add(I::Row::splat(last), force_along.mul_add(weight, forces[i]));
+        }
+    }
+    pour::<I, T, K, D>(&mut sums, start, tile);
+    pour::<I, T, K, D>(&mut forces, start, force_tile);
 }
 
 /// The four channels of a group, for each node of a row.
@@ -412,7 +473,8 @@ fn give<I: InstructionSet<T>, T: Real, const D: usize, const MOMENTS: bool, cons
     let zero = I::Lanes::splat(T::zero());
     let joined = !terms.apart;
     for (number, chunk) in fields.chunks_exact(layout.fields()).enumerate() {
-        let material = ChunkMaterial::of(&labels[number], materials);
+        let mut mixed = None;
+        let material = ChunkMaterial::of(&labels[number], materials, &mut mixed);
         let mut lane = 0;
         while lane < CHUNK {
             let p = number * CHUNK + lane;
@@ -515,6 +577,9 @@ pub(super) fn scatter_block<
         );
         if !terms.apart {
             scatter_batch::<I, T, K, D, MOMENTS, SLOPES>(batch, count, [VALUE, MOMENT, SLOPE], tile, next);
+        } else if D == 2 {
+            let forced = particles.layout.forced();
+            scatter_planar::<I, T, K, D, MOMENTS, SLOPES>(batch, count, forced, [tile, second_tile], next);
         } else {
             // Forces go with slopes, or with MLS's moments.
             scatter_batch::<I, T, K, D, MOMENTS, false>(batch, count, [VALUE, MOMENT, SLOPE], tile, next);

@@ -17,6 +17,7 @@ use crate::real::Real;
 use crate::scene::{Advection, Scene};
 
 /// What a chunk's particles are made of, lane by lane.
+#[derive(Clone, Debug)]
 pub(super) struct ChunkMaterial<T> {
     pub mu: [T; CHUNK],
     pub lambda: [T; CHUNK],
@@ -32,8 +33,10 @@ pub(super) struct ChunkMaterial<T> {
 }
 
 /// A material's numbers in the form that chunks want.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct MaterialNumbers<T> {
+    /// A chunk of nothing else.
+    whole: ChunkMaterial<T>,
     lame: Lame<T>,
     wave_modulus: T,
     surface: [T; 5],
@@ -55,16 +58,19 @@ impl<T: Real> MaterialNumbers<T> {
             }
             Material::Elastic(_) => ([T::zero(); 5], false, true),
         };
-        MaterialNumbers { lame, wave_modulus: lame.wave_modulus::<D>(), surface, flows, stiffens }
+        let (wave_modulus, whole) = (lame.wave_modulus::<D>(), ChunkMaterial::nothing());
+        let mut numbers = MaterialNumbers { whole, lame, wave_modulus, surface, flows, stiffens };
+        let mut whole = ChunkMaterial::nothing();
+        (0..CHUNK).for_each(|lane| whole.put(lane, &numbers));
+        numbers.whole = whole;
+        numbers
     }
 }
 
 impl<T: Real> ChunkMaterial<T> {
-    /// Of the particles with `labels`.
-    #[inline(always)]
-    pub fn of(labels: &[Label; CHUNK], materials: &[MaterialNumbers<T>]) -> Self {
+    fn nothing() -> Self {
         let zero = [T::zero(); CHUNK];
-        let mut chunk = ChunkMaterial {
+        ChunkMaterial {
             mu: zero,
             lambda: zero,
             wave_modulus: zero,
@@ -74,16 +80,38 @@ impl<T: Real> ChunkMaterial<T> {
             ratio: [zero; 2],
             flows: 0,
             stiffens: 0,
-        };
-        for lane in 0..CHUNK {
-            let material = &materials[labels[lane].material as usize];
-            (chunk.mu[lane], chunk.lambda[lane]) = (material.lame.mu, material.lame.lambda);
-            chunk.wave_modulus[lane] = material.wave_modulus;
-            let [least, greatest, hardening, lower, upper] = material.surface;
-            (chunk.least[lane], chunk.greatest[lane], chunk.hardening[lane]) = (least, greatest, hardening);
-            (chunk.ratio[0][lane], chunk.ratio[1][lane]) = (lower, upper);
-            chunk.flows |= u32::from(material.flows) << lane;
-            chunk.stiffens |= u32::from(material.stiffens) << lane;
+        }
+    }
+
+    fn put(&mut self, lane: usize, material: &MaterialNumbers<T>) {
+        (self.mu[lane], self.lambda[lane]) = (material.lame.mu, material.lame.lambda);
+        self.wave_modulus[lane] = material.wave_modulus;
+        let [least, greatest, hardening, lower, upper] = material.surface;
+        (self.least[lane], self.greatest[lane], self.hardening[lane]) = (least, greatest, hardening);
+        (self.ratio[0][lane], self.ratio[1][lane]) = (lower, upper);
+        self.flows |= u32::from(material.flows) << lane;
+        self.stiffens |= u32::from(material.stiffens) << lane;
+    }
+
+    /// Of the particles with `labels`; `mixed` has room for one that has to be put together.
+    #[inline(always)]
+    pub fn of<'a>(
+        labels: &[Label; CHUNK],
+        materials: &'a [MaterialNumbers<T>],
+        mixed: &'a mut Option<Self>,
+    ) -> &'a Self {
+        let first = labels[0].material;
+        if materials.len() == 1 || labels.iter().all(|label| label.material == first) {
+            return &materials[first as usize].whole;
+        }
+        mixed.insert(Self::mix(labels, materials))
+    }
+
+    #[inline(never)]
+    fn mix(labels: &[Label; CHUNK], materials: &[MaterialNumbers<T>]) -> Self {
+        let mut chunk = Self::nothing();
+        for (lane, label) in labels.iter().enumerate() {
+            chunk.put(lane, &materials[label.material as usize]);
         }
         chunk
     }
@@ -187,13 +215,14 @@ pub(super) fn update_batch<
 ) {
     debug_assert!(labels.len() * CHUNK <= BATCH);
     for (number, (chunk, labels)) in fields.chunks_exact_mut(layout.fields()).zip(labels).enumerate() {
-        let material = ChunkMaterial::of(labels, update.materials);
+        let mut mixed = None;
+        let material = ChunkMaterial::of(labels, update.materials, &mut mixed);
         let mut sums = ChunkSums { kinetic: [T::zero(); CHUNK], plastic_loss: [T::zero(); CHUNK] };
         let mut lane = 0;
         while lane < CHUNK {
             let told = scratch.told(number * CHUNK + lane);
             update_lanes::<I::Lanes, T, D, MOMENTS, SLOPES>(
-                update, told, block, chunk, labels, lane, &material, &mut sums, report,
+                update, told, block, chunk, labels, lane, material, &mut sums, report,
             );
             lane += I::Lanes::COUNT;
         }
@@ -347,7 +376,11 @@ fn update_lanes<V: Lanes<T>, T: Real, const D: usize, const MOMENTS: bool, const
         x[i] = V::load(&chunk[Layout::<D>::POSITION + i][lane..]);
     }
     if let Some(ledger) = report.contact.as_deref_mut() {
-        touch_lanes::<V, T, D>(update, &x, &mut kept, &mut advecting, mass, ledger);
+        let (mut numbers, mut movers) = (unpack::<V, T, D>(&kept), unpack::<V, T, D>(&advecting));
+        let masses = &chunk[Layout::<D>::MASS][lane..];
+        touch(update, V::COUNT, masses, &unpack::<V, T, D>(&x), [&mut numbers, &mut movers], ledger);
+        pack::<V, T, D>(&numbers, &mut kept);
+        pack::<V, T, D>(&movers, &mut advecting);
     }
     let mut moved_squared = zero;
     let edge = block_edge::<D>();
@@ -448,42 +481,42 @@ fn flow_lanes<V: Lanes<T>, T: Real, const D: usize>(
     V::select(mask, hardened, stiffness).store(&mut chunk[Layout::<D>::STIFFNESS][lane..]);
 }
 
-/// Contact, particle by particle.
+/// Lanes as numbers, by component.
+type Unpacked<T, const D: usize> = [[T; CHUNK]; D];
+
+#[inline(always)]
+fn unpack<V: Lanes<T>, T: Real, const D: usize>(lanes: &[V; D]) -> Unpacked<T, D> {
+    let mut numbers = [[T::zero(); CHUNK]; D];
+    for i in 0..D {
+        lanes[i].store(&mut numbers[i]);
+    }
+    numbers
+}
+
+#[inline(always)]
+fn pack<V: Lanes<T>, T: Real, const D: usize>(numbers: &Unpacked<T, D>, lanes: &mut [V; D]) {
+    for i in 0..D {
+        lanes[i] = V::load(&numbers[i]);
+    }
+}
+
+/// Contact of `count` particles, one by one: of the velocities they keep and of those that move them.
 #[inline(never)]
-fn touch_lanes<V: Lanes<T>, T: Real, const D: usize>(
+fn touch<T: Real, const D: usize>(
     update: &Update<T, D>,
-    x: &[V; D],
-    kept: &mut [V; D],
-    advecting: &mut [V; D],
-    mass: V,
+    count: usize,
+    masses: &[T],
+    places: &Unpacked<T, D>,
+    [kept, movers]: [&mut Unpacked<T, D>; 2],
     ledger: &mut StepLedger<D>,
 ) {
-    let zero = [T::zero(); CHUNK];
-    let (mut places, mut velocities, mut movers, mut masses) = ([zero; D], [zero; D], [zero; D], zero);
-    for i in 0..D {
-        x[i].store(&mut places[i]);
-        kept[i].store(&mut velocities[i]);
-        advecting[i].store(&mut movers[i]);
-    }
-    mass.store(&mut masses);
-    for lane in 0..V::COUNT {
-        let of = |values: &[[T; CHUNK]; D]| Vector::<T, D>::from_fn(|i, _| values[i][lane]);
-        let (place, mut velocity, mut mover) = (of(&places), of(&velocities), of(&movers));
-        collide_particle(
-            update.scene,
-            masses[lane],
-            &place,
-            &mut velocity,
-            &mut mover,
-            update.interval,
-            ledger,
-        );
+    for lane in 0..count {
+        let of = |numbers: &Unpacked<T, D>| Vector::<T, D>::from_fn(|i, _| numbers[i][lane]);
+        let (place, mut velocity, mut mover) = (of(places), of(kept), of(movers));
+        let mass = masses[lane];
+        collide_particle(update.scene, mass, &place, &mut velocity, &mut mover, update.interval, ledger);
         for i in 0..D {
-            (velocities[i][lane], movers[i][lane]) = (velocity[i], mover[i]);
+            (kept[i][lane], movers[i][lane]) = (velocity[i], mover[i]);
         }
-    }
-    for i in 0..D {
-        kept[i] = V::load(&velocities[i]);
-        advecting[i] = V::load(&movers[i]);
     }
 }
