@@ -45,6 +45,7 @@ fn linking_figure(arms: usize) -> Drawing {
         scale: Scale::Logarithmic,
         hold: &[1.0],
         level: None,
+        guides: &[],
         curves: &curves,
     };
     curves::curves(&Curves {
@@ -65,7 +66,14 @@ fn history_figure(arms: usize) -> Drawing {
     let count = bands(arms, &times, |arm, t| 1.0 + (3.0 + 4.0 * (arm % 4) as f64) * rise(arm, t), 1.2);
     let share = bands(arms, &times, |arm, t| 1.0 - (0.2 + 0.15 * (arm % 4) as f64) * rise(arm, t), 1.05);
     let (count, share) = (as_curves(&count), as_curves(&share));
-    let linear = |label, hold, curves| Quantity { label, scale: Scale::Linear, hold, level: None, curves };
+    let linear = |label, hold, curves| Quantity {
+        label,
+        scale: Scale::Linear,
+        hold,
+        level: None,
+        guides: &[],
+        curves,
+    };
     curves::curves(&Curves {
         title: "Fragments over time",
         x_label: "time after contact [R/v]",
@@ -99,6 +107,7 @@ fn trends_show_bars_at_each_setting() {
         scale: Scale::Linear,
         hold: &[0.0],
         level: Some((0.22, "ln 1.25")),
+        guides: &[],
         curves: &curves,
     };
     let figure = Curves {

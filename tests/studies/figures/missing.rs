@@ -51,8 +51,14 @@ fn missing_data_leave_a_note_and_contradictions_an_error() {
     let curve = Curve { arm: "a", x: &[0.0, 1.0, 2.0], middle: &nan, low: &nan, high: &nan };
     let one = Curve { arm: "b", x: &[1.0], middle: &[2.0], low: &[1.0], high: &[3.0] };
     for (name, lines) in [("empty-curves", vec![curve]), ("one-point", vec![one, curve])] {
-        let quantity =
-            Quantity { label: "y", scale: Scale::Logarithmic, hold: &[], level: None, curves: &lines };
+        let quantity = Quantity {
+            label: "y",
+            scale: Scale::Logarithmic,
+            hold: &[],
+            level: None,
+            guides: &[],
+            curves: &lines,
+        };
         let figure = Curves {
             title: name,
             x_label: "x",
@@ -64,7 +70,8 @@ fn missing_data_leave_a_note_and_contradictions_an_error() {
         };
         keep(name, &curves::curves(&figure).expect("values may be missing"));
     }
-    let quantity = Quantity { label: "y", scale: Scale::Linear, hold: &[], level: None, curves: &[] };
+    let quantity =
+        Quantity { label: "y", scale: Scale::Linear, hold: &[], level: None, guides: &[], curves: &[] };
     let marked = Curves {
         title: "",
         x_label: "link / h",

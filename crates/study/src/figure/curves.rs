@@ -9,7 +9,7 @@ use super::sheet::{Sheet, filled, fine, stroked};
 use super::style::{self, CHART_WIDTH, Ink, LABEL, MARGIN, MARKER, TICK};
 use super::text::{self, Face};
 use plotters::chart::LabelAreaPosition;
-use plotters::element::{Circle, ErrorBar};
+use plotters::element::{Circle, DashedPathElement, ErrorBar};
 
 /// A median curve with its band, one per arm.
 #[derive(Clone, Copy, Debug)]
@@ -26,13 +26,28 @@ pub struct Curve<'a> {
     pub high: &'a [f64],
 }
 
+/// A dashed line to compare with, such as what theory says.
+#[derive(Clone, Copy, Debug)]
+pub struct Guide<'a> {
+    /// The arm beside whose curve it stands; none: all.
+    pub arm: Option<&'a str>,
+    /// Its name, written at its end; may be empty.
+    pub name: &'a str,
+    /// Abscissae, ascending.
+    pub x: &'a [f64],
+    /// Ordinates.
+    pub y: &'a [f64],
+}
+
 /// How the uncertainty of a curve is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spread {
     /// A shaded band: the abscissae sample a continuous quantity.
     Band,
-    /// A bar at every point: the abscissae are settings.
+    /// A bar at every point, those of several arms beside each other: the abscissae are settings.
     Bars,
+    /// A point at every setting, without any uncertainty: equal curves lie on each other, the later smaller.
+    Points,
 }
 
 /// What one panel shows of every arm.
@@ -46,6 +61,8 @@ pub struct Quantity<'a> {
     pub hold: &'a [f64],
     /// A level marked by a dashed line, with its name.
     pub level: Option<(f64, &'a str)>,
+    /// Dashed lines to compare with.
+    pub guides: &'a [Guide<'a>],
     /// One curve per arm; the same arms in the same order in every panel of a figure.
     pub curves: &'a [Curve<'a>],
 }
@@ -75,6 +92,8 @@ const SHARED: usize = 5;
 const NAME_STEP: f64 = 1.3 * LABEL;
 /// Distance of the bars of neighbouring arms at one setting [pixels].
 const DODGE: f64 = 14.0;
+/// Radius of a point, one pixel less for each later arm [pixels].
+const LARGEST: f64 = 6.0;
 const LEFT: f64 = 130.0;
 const BELOW: f64 = 92.0;
 
@@ -96,7 +115,7 @@ pub fn curves(figure: &Curves<'_>) -> Result<Drawing, FigureError> {
     }
     let all = figure.quantities.iter().flat_map(|quantity| quantity.curves).flat_map(|curve| curve.x);
     let marked = figure.mark.map(|(x, _)| x);
-    let pad = if figure.spread == Spread::Bars { 0.06 } else { 0.0 };
+    let pad = if figure.spread == Spread::Band { 0.0 } else { 0.06 };
     let x = Axis::around(figure.x_scale, all.copied().chain(marked), pad);
     let heights: Vec<f64> = figure.quantities.iter().map(|quantity| height(figure, quantity)).collect();
     let note = if figure.note.is_empty() { 0.0 } else { TICK + 14.0 };
@@ -122,7 +141,8 @@ fn vertical(quantity: &Quantity<'_>) -> Axis {
     let data = quantity.curves.iter().flat_map(|curve| [curve.middle, curve.low, curve.high]).flatten();
     let level = quantity.level.map(|(y, _)| y);
     let held = quantity.hold.iter().copied();
-    let axis = Axis::around(quantity.scale, data.copied().chain(level).chain(held), 0.05);
+    let guides = quantity.guides.iter().flat_map(|guide| guide.y).copied();
+    let axis = Axis::around(quantity.scale, data.copied().chain(level).chain(held).chain(guides), 0.05);
     // A bound that is asked for, such as 0, is the edge itself unless data lie beyond.
     let lowest = quantity.hold.iter().copied().fold(f64::INFINITY, f64::min);
     let below = quantity.curves.iter().flat_map(|curve| curve.low).any(|v| *v < lowest);
@@ -164,7 +184,9 @@ fn shared(
     area.right = sheet.width - MARGIN - right;
     let mut panel = match figure.spread {
         Spread::Band => Panel::new(sheet, area, x, y)?,
-        Spread::Bars => Panel::with_ticks(sheet, area, [x, y], settings(curves), LabelAreaPosition::Bottom)?,
+        Spread::Bars | Spread::Points => {
+            Panel::with_ticks(sheet, area, [x, y], settings(curves), LabelAreaPosition::Bottom)?
+        }
     };
     panel.draw_y(quantity.label)?;
     panel.draw_x(figure.x_label)?;
@@ -172,6 +194,10 @@ fn shared(
         return panel.draw_empty("no data");
     }
     marks(sheet, &panel, figure, quantity, true)?;
+    for (number, guide) in quantity.guides.iter().enumerate() {
+        let first = quantity.guides.iter().position(|other| other.name == guide.name) == Some(number);
+        draw_guide(sheet, &mut panel, guide, first)?;
+    }
     if figure.spread == Spread::Band {
         for (index, curve) in curves.iter().enumerate() {
             band(&panel, curve, style::category(index))?;
@@ -182,6 +208,7 @@ fn shared(
         let shift = DODGE * (index as f64 - 0.5 * (curves.len() as f64 - 1.0));
         match figure.spread {
             Spread::Band => middle(&mut panel, curve, style::category(index))?,
+            Spread::Points => settings_joined(&mut panel, curve, style::category(index), index)?,
             Spread::Bars => {
                 let area = Rect { left: area.left + shift, right: area.right + shift, ..area };
                 bars(&mut Panel::new(sheet, area, x, y)?, curve, style::category(index))?;
@@ -242,8 +269,12 @@ fn separate(
             panel.draw_curve(points(other), 1.5, Ink::hex(0xc6ccd2))?;
         }
         marks(sheet, &panel, figure, quantity, index == 0)?;
+        for guide in quantity.guides.iter().filter(|guide| guide.arm.is_none_or(|arm| arm == curve.arm)) {
+            draw_guide(sheet, &mut panel, guide, index == 0)?;
+        }
         match figure.spread {
             _ if !has_point(&panel, curve) => panel.draw_empty("no data")?,
+            Spread::Points => settings_joined(&mut panel, curve, ink, 0)?,
             Spread::Bars => bars(&mut panel, curve, ink)?,
             Spread::Band => {
                 band(&panel, curve, ink)?;
@@ -287,13 +318,44 @@ fn bars(panel: &mut Panel<'_>, curve: &Curve<'_>, ink: Ink) -> Result<(), Figure
             panel.plot().draw(&bar)?;
         }
     }
+    settings_joined(panel, curve, ink, 0)
+}
+
+/// A point at every setting, joined by a thin line; smaller for later arms, so that an equal one before still shows.
+fn settings_joined(
+    panel: &mut Panel<'_>,
+    curve: &Curve<'_>,
+    ink: Ink,
+    index: usize,
+) -> Result<(), FigureError> {
     panel.draw_curve(points(curve), 1.5, ink.with_alpha(0.6))?;
+    let smaller = (SHARED - 1).min(index) as f64;
     for [x, y] in points(curve).filter(|[x, y]| panel.point(*x, *y).is_some()) {
-        for (radius, ink) in [(8.0, style::PAPER), (6.0, ink)] {
+        for (radius, ink) in [(LARGEST + 2.0 - smaller, style::PAPER), (LARGEST - smaller, ink)] {
             panel.plot().draw(&Circle::new((x, y), fine(radius), filled(ink)))?;
         }
     }
     Ok(())
+}
+
+/// A dashed line, named at its end.
+fn draw_guide(
+    sheet: &Sheet<'_>,
+    panel: &mut Panel<'_>,
+    guide: &Guide<'_>,
+    named: bool,
+) -> Result<(), FigureError> {
+    let placed: Vec<(f64, f64)> = guide.x.iter().copied().zip(guide.y.iter().copied()).collect();
+    let kept = placed.iter().filter(|(x, y)| panel.point(*x, *y).is_some()).copied();
+    let line: Vec<(f64, f64)> = kept.collect();
+    let Some(&(x, y)) = line.last() else { return Ok(()) };
+    panel.plot().draw(&DashedPathElement::new(line, fine(7.0), fine(7.0), stroked(2.0, MARKER)))?;
+    match panel.point(x, y) {
+        Some([column, row]) if named && !guide.name.is_empty() => {
+            draw_patched(sheet, guide.name, [column - 6.0, row - 8.0], Anchor::End)
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The dashed lines of the marked abscissa and level.

@@ -51,6 +51,7 @@ pub fn sizes(title: &str, arms: &[SizeArm<'_>]) -> Result<Drawing, FigureError> 
             scale: Scale::Logarithmic,
             hold: &[floor],
             level: None,
+            guides: &[],
             curves: &lines,
         }],
     })

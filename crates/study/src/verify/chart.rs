@@ -1,8 +1,8 @@
-//! Line charts of the experiments: series of points, one above the other a quantity.
+//! Charts of the experiments: series of points, one above the other a quantity.
 
 use crate::figure::Drawing;
 use crate::figure::axis::Scale;
-use crate::figure::curves::{Curve, Curves, Quantity, Spread, curves};
+use crate::figure::curves::{Curve, Curves, Guide, Quantity, Spread, curves};
 
 /// A named series of points, in the order of x.
 pub struct Line {
@@ -47,37 +47,72 @@ pub struct Panel<'a> {
     pub level: Option<(f64, &'a str)>,
     /// The lines, the same names in every panel.
     pub lines: Vec<Line>,
+    /// Dashed lines of theory, each beside the line of its name.
+    pub theory: Vec<Line>,
+    /// Dashed lines beside all, each with its name.
+    pub slopes: Vec<Line>,
 }
 
 impl<'a> Panel<'a> {
-    /// A panel without a marked level.
+    /// A panel of lines alone.
     pub fn new(label: &'a str, scale: Scale, lines: Vec<Line>) -> Self {
-        Panel { label, scale, level: None, lines }
+        Panel { label, scale, level: None, lines, theory: Vec::new(), slopes: Vec::new() }
+    }
+
+    /// With the slopes of orders 1 and 2, from the greatest value at the least abscissa. `towards` is -1 where the abscissa counts
+    /// cells, 1 where it is a step.
+    pub fn with_orders(mut self, towards: f64) -> Self {
+        let all = || self.lines.iter().flat_map(|line| line.x.iter().copied().zip(line.y.iter().copied()));
+        let xs = || all().map(|(x, _)| x);
+        let (first, last) = (xs().fold(f64::INFINITY, f64::min), xs().fold(0.0, f64::max));
+        // The error is largest at the coarse end.
+        let coarse = if towards < 0.0 { first } else { last };
+        let top = all().filter(|(x, _)| *x == coarse).map(|(_, y)| y).fold(0.0, f64::max);
+        let floor = all().map(|(_, y)| y).filter(|y| *y > 0.0).fold(f64::INFINITY, f64::min);
+        for (order, name) in [(1.0, "order 1"), (2.0, "order 2")] {
+            let points = (0..=20).map(|k| first * (last / first).powf(f64::from(k) / 20.0));
+            let line = points.map(|x| (x, top * (x / coarse).powf(towards * order)));
+            self.slopes.push(Line::new(name, line.filter(|(_, y)| *y >= floor)));
+        }
+        self
+    }
+
+    fn guides(&self) -> Vec<Guide<'_>> {
+        let theory = self.theory.iter().map(|line| Guide {
+            arm: Some(&line.name),
+            name: "theory",
+            x: &line.x,
+            y: &line.y,
+        });
+        let slopes =
+            self.slopes.iter().map(|line| Guide { arm: None, name: &line.name, x: &line.x, y: &line.y });
+        theory.chain(slopes).collect()
     }
 }
 
-/// Draws panels above a common abscissa: settings, with bars, on a logarithmic one; what goes on, such as time, on a linear one.
+/// Draws panels above a common abscissa: settings, with bars where there are any, on a logarithmic one; what goes on, such as time, on
+/// a linear one.
 pub fn chart(x_label: &str, x_scale: Scale, note: &str, panels: &[Panel]) -> anyhow::Result<Drawing> {
     let lines: Vec<Vec<Curve>> =
         panels.iter().map(|panel| panel.lines.iter().map(Line::curve).collect()).collect();
+    let guides: Vec<Vec<Guide>> = panels.iter().map(Panel::guides).collect();
     let quantities: Vec<Quantity> = panels
         .iter()
-        .zip(&lines)
-        .map(|(panel, curves)| Quantity {
+        .zip(lines.iter().zip(&guides))
+        .map(|(panel, (curves, guides))| Quantity {
             label: panel.label,
             scale: panel.scale,
             hold: &[],
             level: panel.level,
+            guides,
             curves,
         })
         .collect();
-    Ok(curves(&Curves {
-        title: "",
-        x_label,
-        x_scale,
-        mark: None,
-        spread: if x_scale == Scale::Linear { Spread::Band } else { Spread::Bars },
-        note,
-        quantities: &quantities,
-    })?)
+    let with_bars = lines.iter().flatten().any(|curve| curve.low != curve.middle);
+    let spread = match (x_scale, with_bars) {
+        (Scale::Linear, _) => Spread::Band,
+        (Scale::Logarithmic, true) => Spread::Bars,
+        (Scale::Logarithmic, false) => Spread::Points,
+    };
+    Ok(curves(&Curves { title: "", x_label, x_scale, mark: None, spread, note, quantities: &quantities })?)
 }

@@ -21,6 +21,7 @@ pub(super) fn links(findings: Findings, arms: &Arms) -> anyhow::Result<Option<Ti
             scale: Scale::Logarithmic,
             hold: &[1.0],
             level: None,
+            guides: &[],
             curves: &components,
         },
         Quantity {
@@ -28,6 +29,7 @@ pub(super) fn links(findings: Findings, arms: &Arms) -> anyhow::Result<Option<Ti
             scale: Scale::Linear,
             hold: &[0.0],
             level: None,
+            guides: &[],
             curves: &ln_neff,
         },
     ];
@@ -64,6 +66,7 @@ pub(super) fn histories(arms: &Arms) -> anyhow::Result<Option<Titled>> {
             scale: Scale::Linear,
             hold: &[0.0],
             level: None,
+            guides: &[],
             curves: &count,
         },
         Quantity {
@@ -71,6 +74,7 @@ pub(super) fn histories(arms: &Arms) -> anyhow::Result<Option<Titled>> {
             scale: Scale::Linear,
             hold: &[1.0],
             level: None,
+            guides: &[],
             curves: &largest,
         },
     ];
@@ -117,6 +121,7 @@ pub(super) fn trend(findings: Findings) -> anyhow::Result<Option<Titled>> {
         scale: Scale::Linear,
         hold: &[0.0],
         level: None,
+        guides: &[],
         curves: &curve,
     }];
     let figure = Curves {

@@ -26,6 +26,7 @@ pub(super) fn stretch(findings: Findings) -> anyhow::Result<Option<Titled>> {
         scale: Scale::Linear,
         hold: &[0.0, 1.0],
         level: Some((WHOLE_SHARE, "reads as whole above")),
+        guides: &[],
         curves: &shown,
     }];
     let figure = Curves {
