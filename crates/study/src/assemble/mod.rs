@@ -6,7 +6,7 @@ mod obstacle;
 mod region;
 mod vector;
 
-pub use numerics::kernel;
+pub use numerics::{kernel, transfer};
 pub use region::region;
 
 use std::path::Path;

@@ -47,7 +47,8 @@ pub fn kernel(name: KernelName) -> KernelKind {
     }
 }
 
-pub(super) fn transfer(n: &NumericsSpec) -> Transfer {
+/// The velocity transfer that a scene asks for.
+pub fn transfer(n: &NumericsSpec) -> Transfer {
     match n.transfer {
         TransferName::Apic => Transfer::Apic,
         TransferName::Mls => Transfer::Mls,

@@ -14,9 +14,12 @@ use super::evidence::{Check, Effort, Evidence, EvidenceFigure};
 use super::scenes::{
     DENSITY, KERNELS, TRANSFERS, elastic, kernel_name, lattice, particle, scene, transfer_name,
 };
+use crate::assemble::{kernel, transfer};
 use crate::figure::Drawing;
 use crate::figure::axis::Scale;
-use crate::figure::strips::{Endpoint, Strip, Strips, Summary, strips};
+use crate::figure::strips::{Endpoint, Strip, Strips, strips};
+use crate::spec::parse;
+use crate::sweep::Study;
 use crate::table::{Row, Table};
 
 /// A body whose limit is sought. Lengths in cells: h = 1 m.
@@ -148,6 +151,18 @@ struct Found {
     limit: f64,
 }
 
+impl Found {
+    /// The body with its dimension.
+    fn body_name(&self) -> String {
+        format!("{}, {}D", self.body.name(), self.dimension)
+    }
+
+    /// The limit over the one derived for a lone particle.
+    fn over_derived(&self) -> f64 {
+        self.limit / wave_limit(self.kernel, self.transfer)
+    }
+}
+
 /// Carries it out.
 pub fn run(setting: &Setting) -> anyhow::Result<Evidence> {
     let effort = setting.effort;
@@ -177,15 +192,57 @@ pub fn run(setting: &Setting) -> anyhow::Result<Evidence> {
             Ok(Found { kernel, transfer, body, dimension, limit })
         })
         .collect::<anyhow::Result<Vec<_>>>()?;
+    let studies = StudiesStep::read()?;
     Ok(Evidence {
-        checks: checks(&found),
+        checks: checks(&found).into_iter().chain([studies_check(&studies)]).collect(),
         figures: vec![EvidenceFigure {
             name: "stability",
-            caption: "Largest stable dt c / h of bodies (points), and the range from the default step to the limit derived for a lone particle (bar).",
+            caption: "Largest stable dt c / h over the limit derived for a lone particle: a panel for each body.",
             drawing: figure(&found)?,
         }],
-        tables: vec![table(&found)],
+        tables: vec![table(&found), studies.table()],
     })
+}
+
+/// The step that the comparison of placements asks for.
+struct StudiesStep {
+    kernel: KernelKind,
+    transfer: Transfer,
+    wave_courant: f64,
+}
+
+impl StudiesStep {
+    fn read() -> anyhow::Result<Self> {
+        let study = Study::expand(parse(include_str!("../../../../studies/placement.toml"))?, None)?;
+        let numerics = &study.cases[0].scene.numerics;
+        let (kernel, transfer) = (kernel(numerics.kernel), transfer(numerics));
+        let derived = wave_limit(kernel, transfer);
+        Ok(StudiesStep { kernel, transfer, wave_courant: numerics.wave_courant.unwrap_or(0.5 * derived) })
+    }
+
+    /// Over the limit derived for a lone particle.
+    fn share(&self) -> f64 {
+        self.wave_courant / wave_limit(self.kernel, self.transfer)
+    }
+
+    fn table(&self) -> Table {
+        let mut row = Row::default();
+        row.put("kernel", "-", "B-spline of studies/placement.toml", kernel_name(self.kernel))
+            .put("transfer", "-", "its velocity transfer", transfer_name(self.transfer))
+            .number("wave_courant", "-", "its dt c / h", self.wave_courant)
+            .number("share", "-", "the same over the limit derived for a lone particle", self.share());
+        Table { name: "stability-studies", rows: vec![row] }
+    }
+}
+
+fn studies_check(studies: &StudiesStep) -> Check {
+    Check {
+        quantity: "dt c / h of studies/placement.toml over the limit derived for a lone particle".into(),
+        measured: studies.share(),
+        theory: "below 1".into(),
+        allowed: [0.0, 1.0],
+        source: "docs/stability.md: 2 / sqrt(2 g - k)",
+    }
 }
 
 fn checks(found: &[Found]) -> Vec<Check> {
@@ -227,27 +284,44 @@ fn table(found: &[Found]) -> Table {
     Table { name: "stability", rows: found.iter().map(row).collect() }
 }
 
+/// One panel for each body, so that every point has its name. A lone particle in 3D is as in 2D.
 fn figure(found: &[Found]) -> anyhow::Result<Drawing> {
-    let mut names = Vec::new();
-    let mut columns = Vec::new();
-    for kernel in KERNELS {
-        for transfer in TRANSFERS {
-            let of = |found: &&Found| found.kernel == kernel && found.transfer == transfer;
-            let derived = wave_limit(kernel, transfer);
-            names.push(format!("{} {}", kernel_name(kernel), transfer_name(transfer)));
-            columns.push((
-                found.iter().filter(of).map(|found| found.limit).collect::<Vec<_>>(),
-                Summary { mean: derived, low: 0.5 * derived, high: derived },
-            ));
+    let shown = |found: &&Found| !(found.dimension == 3 && matches!(found.body, Body::Alone));
+    let found: Vec<&Found> = found.iter().filter(shown).collect();
+    let names: Vec<String> = found.iter().map(|found| found.body_name()).collect();
+    let mut bodies: Vec<&str> = Vec::new();
+    for name in &names {
+        if !bodies.contains(&name.as_str()) {
+            bodies.push(name);
         }
     }
-    let arms: Vec<&str> = names.iter().map(String::as_str).collect();
-    let limits: Vec<Strip> =
-        columns.iter().map(|(values, summary)| Strip { values, summary: Some(*summary) }).collect();
-    Ok(strips(&Strips {
-        title: "",
-        arms: &arms,
-        endpoints: &[Endpoint { label: "dt c / h", scale: Scale::Linear, strips: &limits }],
-        note: "Points: measured, one for each body. Bar: from the default step to the limit derived for a lone particle.",
-    })?)
+    let arms: Vec<String> = KERNELS
+        .iter()
+        .flat_map(|&kernel| {
+            TRANSFERS.map(|transfer| format!("{} {}", kernel_name(kernel), transfer_name(transfer)))
+        })
+        .collect();
+    let arms: Vec<&str> = arms.iter().map(String::as_str).collect();
+    let over: Vec<Vec<Vec<f64>>> = bodies
+        .iter()
+        .map(|body| {
+            found
+                .iter()
+                .zip(&names)
+                .filter(|(_, name)| name == body)
+                .map(|(f, _)| vec![f.over_derived()])
+                .collect()
+        })
+        .collect();
+    let strips_of: Vec<Vec<Strip>> = over
+        .iter()
+        .map(|values| values.iter().map(|values| Strip { values, summary: None }).collect())
+        .collect();
+    let endpoints: Vec<Endpoint> = bodies
+        .iter()
+        .zip(&strips_of)
+        .map(|(label, strips)| Endpoint { label, scale: Scale::Linear, strips })
+        .collect();
+    let note = "Limit of dt c / h over the one derived for a lone particle; the default step is at 0.5.";
+    Ok(strips(&Strips { title: "", arms: &arms, endpoints: &endpoints, note })?)
 }
