@@ -62,51 +62,56 @@ const QUANTITIES: [Quantity; 5] = [
     },
 ];
 
-/// Refinement along one axis, from coarse to fine: arms, and the abscissa of each.
+/// Refinement along one axis, from coarse to fine.
 struct RefinementPath {
     name: &'static str,
     refined: &'static str,
-    arms: &'static [(&'static str, f64)],
+    /// Arms of the study.
+    arms: &'static [&'static str],
+    /// What is refined, of a case.
+    level: fn(&CaseResult) -> f64,
 }
 
 const PATHS: [RefinementPath; 4] = [
     RefinementPath {
         name: "grid, random",
         refined: "spacing h [mm] at 4 particles per cell, random",
-        arms: &[
-            ("random-grid-1", 14.4),
-            ("random-grid-2", 10.2),
-            ("random-grid-3", 7.2),
-            ("random-grid-4", 5.1),
-        ],
+        arms: &["random-grid-1", "random-grid-2", "random-grid-3", "random-grid-4"],
+        level: spacing,
     },
     RefinementPath {
         name: "grid, jittered",
         refined: "spacing h [mm] at 4 particles per cell, jittered",
-        arms: &[
-            ("jittered-grid-1", 14.4),
-            ("jittered-grid-2", 10.2),
-            ("jittered-grid-3", 7.2),
-            ("jittered-grid-4", 5.1),
-        ],
+        arms: &["jittered-grid-1", "jittered-grid-2", "jittered-grid-3", "jittered-grid-4"],
+        level: spacing,
     },
     RefinementPath {
         name: "particles",
         refined: "particles per cell at h = 7.2 mm, random",
-        arms: &[
-            ("particles-1", 1.0),
-            ("particles-2", 2.0),
-            ("random-grid-3", 4.0),
-            ("particles-8", 8.0),
-            ("particles-16", 16.0),
-        ],
+        arms: &["particles-1", "particles-2", "random-grid-3", "particles-8", "particles-16"],
+        level: particles_per_cell,
     },
     RefinementPath {
         name: "step",
         refined: "wave Courant number at h = 7.2 mm and 2 particles per cell, random",
-        arms: &[("particles-2", 0.75), ("step-half", 0.375), ("step-quarter", 0.1875)],
+        arms: &["particles-2", "step-half", "step-quarter"],
+        level: wave_courant,
     },
 ];
+
+/// [mm], to the micrometre.
+fn spacing(result: &CaseResult) -> f64 {
+    (1e6 * result.case.scene.numerics.spacing).round() * 1e-3
+}
+
+/// To a tenth: numbers of particles are round.
+fn particles_per_cell(result: &CaseResult) -> f64 {
+    (10.0 * result.record.made.particles_per_cell).round() / 10.0
+}
+
+fn wave_courant(result: &CaseResult) -> f64 {
+    result.case.scene.numerics.wave_courant.unwrap_or(f64::NAN)
+}
 
 /// Values of one quantity by block.
 type Blocks = BTreeMap<u64, f64>;
@@ -138,7 +143,8 @@ impl<'a> Arms<'a> {
 
     /// The levels of a path that were run.
     fn levels(&self, path: &RefinementPath) -> Vec<(&'static str, f64)> {
-        path.arms.iter().filter(|(arm, _)| self.0.contains_key(arm)).copied().collect()
+        let level = |arm: &&'static str| self.0.get(arm).map(|cases| (*arm, (path.level)(cases[0])));
+        path.arms.iter().filter_map(level).collect()
     }
 }
 
@@ -236,9 +242,20 @@ struct LastRefinement {
     change: f64,
     /// At 95 %, by Student's t.
     interval: [f64; 2],
-    /// Change over the standard deviation of the seeds on the finer level.
-    over_spread: f64,
+    /// Change over the standard deviation of the seeds on the finer level; none where they are all the same.
+    over_spread: Option<f64>,
     blocks: usize,
+}
+
+impl LastRefinement {
+    /// Whether the interval leaves out 0.
+    fn words(&self) -> &'static str {
+        match self.interval {
+            [0.0, 0.0] => "equal on both, which is no evidence",
+            [lower, upper] if lower <= 0.0 && 0.0 <= upper => "not seen to move",
+            _ => "still moves",
+        }
+    }
 }
 
 fn last_refinement(arms: &Arms, path: &RefinementPath, quantity: &Quantity) -> Option<LastRefinement> {
@@ -253,7 +270,7 @@ fn last_refinement(arms: &Arms, path: &RefinementPath, quantity: &Quantity) -> O
     Some(LastRefinement {
         change,
         interval: [interval.lower, interval.upper],
-        over_spread: change / spread,
+        over_spread: (spread > 0.0).then_some(change / spread),
         blocks: changes.len(),
     })
 }
@@ -264,12 +281,7 @@ fn refinements_table(arms: &Arms) -> Table {
     for path in &PATHS {
         for quantity in &QUANTITIES {
             let found = last_refinement(arms, path, quantity);
-            let words = match &found {
-                None => "not told by so few seeds",
-                Some(found) if found.interval == [0.0, 0.0] => "the same on both levels",
-                Some(found) if found.interval[0] <= 0.0 && 0.0 <= found.interval[1] => "not seen to move",
-                Some(_) => "still moves",
-            };
+            let words = found.as_ref().map_or("not told by so few seeds", LastRefinement::words);
             let of = |value: fn(&LastRefinement) -> f64| found.as_ref().map(value);
             let mut row = Row::default();
             row.put("path", "-", "what is refined", path.name)
@@ -304,7 +316,7 @@ fn refinements_table(arms: &Arms) -> Table {
                     "over_spread",
                     "-",
                     "change over the seeds' standard deviation",
-                    of(|found| found.over_spread),
+                    found.as_ref().and_then(|found| found.over_spread),
                 )
                 .put("verdict", "-", "whether the interval leaves out 0", words);
             rows.push(row);
