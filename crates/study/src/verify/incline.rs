@@ -14,7 +14,7 @@ use crate::table::{Row, Table};
 
 /// Slope of the plane [rad].
 const SLOPE: f64 = std::f64::consts::FRAC_PI_6;
-/// Coefficients of friction: below tan(30 degrees) = 0.577 the block gets faster, above slower; with 1.2 it stops after 0.19 s.
+/// Coefficients of friction: below tan(30 degrees) = 0.577 the block gets faster, above slower; with 1.2 friction stops it.
 const FRICTIONS: [f64; 5] = [0.0, 0.2, 0.4, 0.8, 1.2];
 /// Speed downhill at the start [m/s]: from rest the block would swing against its own base.
 const SPEED: f64 = 1.0;
@@ -22,15 +22,24 @@ const SPEED: f64 = 1.0;
 const BLOCK: [f64; 2] = [0.4, 0.1];
 /// How long it is watched [s].
 const END: f64 = 0.5;
-/// Stiffness over that of snow: nearly rigid, for a soft block that rubs hard sticks and slips in turn (at 100 times snow's, mu = 1.2, it
-/// stops 1 % early).
+/// Stiffness over that of snow: nearly rigid, for a soft block that rubs hard sticks and slips in turn.
 const STIFFNESS: f64 = 400.0;
+/// Softer blocks, to show what that does, with apic and the greatest friction.
+const SOFTER: [f64; 3] = [1.0, 10.0, 100.0];
 
-struct Run {
+/// What is run.
+#[derive(Clone, Copy)]
+struct Block {
     transfer: Transfer,
     friction: f64,
     /// Cells to the block's height.
     cells: usize,
+    /// Over that of snow.
+    stiffness: f64,
+}
+
+struct Run {
+    block: Block,
     /// Time [s] and way of the centre of mass downhill [m].
     way: Vec<(f64, f64)>,
     /// Mean force on the plane over the second half of the time, across and along it, over the weight.
@@ -38,7 +47,8 @@ struct Run {
 }
 
 impl Run {
-    fn new(transfer: Transfer, friction: f64, cells: usize) -> anyhow::Result<Self> {
+    fn new(block: Block) -> anyhow::Result<Self> {
+        let Block { transfer, friction, cells, stiffness } = block;
         let h = BLOCK[1] / cells as f64;
         let mut scene = scene::<f64, 2>(h, KernelKind::Cubic, transfer, elastic());
         scene.gravity[1] = -GRAVITY;
@@ -54,7 +64,7 @@ impl Run {
         for body in &mut bodies {
             body.position = downhill * body.position[0] + normal * body.position[1];
             body.velocity = downhill * SPEED;
-            body.stiffness_scale = STIFFNESS;
+            body.stiffness_scale = stiffness;
         }
         let all = 0..bodies.len() as u32;
         let state = State::at_rest(&scene, Vector::zeros(), &bodies)?;
@@ -73,7 +83,7 @@ impl Run {
         let impulse = simulation.state().ledger.colliders[0].impulse - half;
         let weight = start.mass * GRAVITY * 0.5 * END;
         let force = [-impulse.dot(&normal) / weight, impulse.dot(&downhill) / weight];
-        Ok(Run { transfer, friction, cells, way, force })
+        Ok(Run { block, way, force })
     }
 
     /// Way downhill at the end [m].
@@ -84,7 +94,7 @@ impl Run {
     /// g (sin - mu cos) [m/s^2], the acceleration while it slides.
     fn acceleration(&self) -> f64 {
         let (sin, cos) = libm::sincos(SLOPE);
-        GRAVITY * (sin - self.friction * cos)
+        GRAVITY * (sin - self.block.friction * cos)
     }
 
     /// When friction has stopped it [s].
@@ -102,11 +112,12 @@ impl Run {
     /// The force along the plane over the weight in the second half of the time: mu cos while it slides, sin once it stands.
     fn predicted_friction(&self) -> f64 {
         let (sin, cos) = libm::sincos(SLOPE);
-        if self.stop() < 0.5 * END { sin } else { self.friction * cos }
+        if self.stop() < 0.5 * END { sin } else { self.block.friction * cos }
     }
 
     fn name(&self, what: &str) -> String {
-        format!("{what}, {}, mu = {}, {} cells", transfer_name(self.transfer), self.friction, self.cells)
+        let Block { transfer, friction, cells, .. } = self.block;
+        format!("{what}, {}, mu = {friction}, {cells} cells", transfer_name(transfer))
     }
 }
 
@@ -116,24 +127,32 @@ pub fn run(setting: &Setting) -> anyhow::Result<Evidence> {
     let grids: &[usize] = effort.choose(&[2], &[2, 4, 8]);
     let cases: Vec<_> = TRANSFERS
         .into_iter()
-        .flat_map(|transfer| FRICTIONS.into_iter().map(move |friction| (transfer, friction)))
-        .flat_map(|(transfer, friction)| grids.iter().map(move |cells| (transfer, friction, *cells)))
+        .flat_map(|transfer| FRICTIONS.map(|friction| (transfer, friction)))
+        .flat_map(|(transfer, friction)| {
+            grids.iter().map(move |&cells| Block { transfer, friction, cells, stiffness: STIFFNESS })
+        })
         .collect();
-    let runs = cases
-        .into_par_iter()
-        .map(|(transfer, friction, cells)| Run::new(transfer, friction, cells))
-        .collect::<anyhow::Result<Vec<_>>>()?;
-    let finest: Vec<&Run> = runs.chunks(grids.len()).filter_map(|runs| runs.last()).collect();
-    let lines: Vec<Line> = finest
-        .iter()
-        .filter(|run| run.transfer == Transfer::Apic)
-        .map(|run| Line::new(format!("mu = {}", run.friction), run.way.iter().copied()))
-        .collect();
-    let panels = [Panel::new("way downhill [m]", Scale::Linear, lines)];
+    let soft =
+        |stiffness| Block { transfer: Transfer::Apic, friction: FRICTIONS[4], cells: grids[0], stiffness };
+    let all = cases.iter().copied().chain(SOFTER.map(soft)).collect::<Vec<_>>();
+    let runs = all.into_par_iter().map(Run::new).collect::<anyhow::Result<Vec<_>>>()?;
+    let finest: Vec<&Run> = runs[..cases.len()].chunks(grids.len()).filter_map(|runs| runs.last()).collect();
+    let lines = |way: fn(&Run, f64, f64) -> f64| -> Vec<Line> {
+        let shown = finest.iter().filter(|run| run.block.transfer == Transfer::Apic);
+        let line = |run: &&Run| {
+            let points = run.way.iter().map(|(time, measured)| (*time, way(run, *time, *measured)));
+            Line::new(format!("mu = {}", run.block.friction), points.collect::<Vec<_>>())
+        };
+        shown.map(line).collect()
+    };
+    let panels = [Panel {
+        theory: lines(|run, time, _| run.predicted(time)),
+        ..Panel::new("way downhill [m]", Scale::Linear, lines(|_, _, measured| measured))
+    }];
     Ok(Evidence {
         figures: vec![EvidenceFigure {
             name: "incline",
-            caption: "A block on a plane of 30 degrees, apic, on the finest grid.",
+            caption: "A block on a plane of 30 degrees, apic, on the finest grid; dashed: Coulomb's law.",
             drawing: chart("time [s]", Scale::Linear, "", &panels)?,
         }],
         checks: finest.iter().flat_map(|run| checks(run)).collect(),
@@ -173,9 +192,11 @@ fn checks(run: &Run) -> [Check; 3] {
 fn table(runs: &[Run]) -> Table {
     let row = |run: &Run| {
         let mut row = Row::default();
-        row.put("transfer", "-", "velocity transfer", transfer_name(run.transfer))
-            .number("friction", "-", "Coulomb coefficient mu", run.friction)
-            .count("cells", "cells to the block's height", run.cells as u64)
+        row.put("transfer", "-", "velocity transfer", transfer_name(run.block.transfer))
+            .number("friction", "-", "Coulomb coefficient mu", run.block.friction)
+            .count("cells", "cells to the block's height", run.block.cells as u64)
+            .number("stiffness", "-", "stiffness over that of snow", run.block.stiffness)
+            .number("stop", "s", "when friction stops it, by Coulomb's law; empty: never", run.stop())
             .number("way", "m", "way downhill after 0.5 s", run.end())
             .number(
                 "way_predicted",
@@ -184,6 +205,7 @@ fn table(runs: &[Run]) -> Table {
                 run.predicted(END),
             )
             .number("force_across", "-", "mean force across the plane over the weight", run.force[0])
+            .number("force_across_predicted", "-", "cos", libm::cos(SLOPE))
             .number("force_along", "-", "mean force along the plane over the weight", run.force[1])
             .number(
                 "force_along_predicted",
