@@ -22,10 +22,20 @@ pub const CRITICAL_STRETCH: f64 = 7.5e-3;
 /// Its hardening coefficient xi.
 pub const HARDENING: f64 = 10.0;
 
-/// c = sqrt((lambda + 2 mu) / rho), of a wave along its own direction in a wide body [m/s].
+/// mu_0 and lambda_0 of S13's snow [Pa].
+pub fn lame() -> Lame<f64> {
+    Lame::from_young(YOUNG, POISSON)
+}
+
+/// M = lambda + 2 mu, the modulus of strain along one axis [Pa].
+pub fn axial_modulus() -> f64 {
+    let Lame { mu, lambda } = lame();
+    lambda + 2.0 * mu
+}
+
+/// c = sqrt(M / rho), of a wave along its own direction in a wide body [m/s].
 pub fn wave_speed() -> f64 {
-    let Lame { mu, lambda } = Lame::<f64>::from_young(YOUNG, POISSON);
-    ((lambda + 2.0 * mu) / DENSITY).sqrt()
+    (axial_modulus() / DENSITY).sqrt()
 }
 
 /// Acceleration of gravity where a scene has any [m/s^2]: the standard value, rounded.

@@ -6,7 +6,7 @@ use snowlab_solver::{KernelKind, Simulation, State, Transfer};
 use super::Setting;
 use super::evidence::{Check, Evidence, EvidenceFigure};
 use super::scenes::{
-    CRITICAL_COMPRESSION, CRITICAL_STRETCH, HARDENING, POISSON, YOUNG, fixed_step, lattice, scene, snow,
+    CRITICAL_COMPRESSION, CRITICAL_STRETCH, HARDENING, axial_modulus, fixed_step, lattice, scene, snow,
 };
 use crate::figure::axis::Scale;
 use crate::figure::curves::{Curve, Curves, Quantity, Spread, curves};
@@ -31,9 +31,7 @@ fn closed_form(path: &[f64]) -> Vec<Point> {
     let point = |&stretch: &f64| {
         let elastic = (stretch / ratio).clamp(1.0 - CRITICAL_COMPRESSION, 1.0 + CRITICAL_STRETCH);
         ratio = stretch / elastic;
-        let mu = YOUNG / (2.0 * (1.0 + POISSON));
-        let lambda = YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON));
-        let modulus = (2.0 * mu + lambda) * libm::exp(HARDENING * (1.0 - ratio));
+        let modulus = axial_modulus() * libm::exp(HARDENING * (1.0 - ratio));
         Point {
             stretch,
             elastic_stretch: elastic,
@@ -169,9 +167,17 @@ fn figure(exact: &[Point], found: &[Point]) -> anyhow::Result<crate::figure::Dra
                 scale: Scale::Linear,
                 hold: &[],
                 level: None,
+                guides: &[],
                 curves: &stress_curves,
             },
-            Quantity { label: "J_{P}", scale: Scale::Linear, hold: &[], level: None, curves: &ratio_curves },
+            Quantity {
+                label: "J_{P}",
+                scale: Scale::Linear,
+                hold: &[],
+                level: None,
+                guides: &[],
+                curves: &ratio_curves,
+            },
         ],
     })?)
 }

@@ -5,14 +5,10 @@
 
 use std::f64::consts::PI;
 
-use snowlab_solver::geometry::Vector;
+use snowlab_solver::geometry::{Matrix, Vector};
+use snowlab_solver::material::ConstitutiveModel;
 
-use super::scenes::{DENSITY, POISSON, YOUNG};
-
-/// mu_0 [Pa].
-const MU: f64 = YOUNG / (2.0 * (1.0 + POISSON));
-/// lambda_0 [Pa].
-const LAMBDA: f64 = YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON));
+use crate::verify::scenes::{DENSITY, elastic, lame};
 
 /// A known motion of a body of elastic material with S13's moduli and density.
 pub trait Solution<const D: usize>: Sync {
@@ -33,6 +29,11 @@ pub struct StandingWaves {
 }
 
 impl StandingWaves {
+    /// The largest strain, A pi.
+    pub fn largest_strain(&self) -> f64 {
+        PI * self.amplitude
+    }
+
     /// sin(c pi t + k pi).
     fn swing(&self, axis: usize, time: f64) -> f64 {
         let sign = if axis.is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -47,11 +48,12 @@ impl<const D: usize> Solution<D> for StandingWaves {
 
     /// P_kk = 2 mu (F_kk - 1) + lambda (J - 1) J / F_kk, the other entries 0, so that b_k = pi^2 u_k ((2 mu + lambda (J / F_kk)^2) / rho_0 - c^2).
     fn body_acceleration(&self, rest: &Vector<f64, D>, time: f64) -> Vector<f64, D> {
+        let moduli = lame();
         let stretch = |k: usize| 1.0 + self.amplitude * PI * libm::cos(PI * rest[k]) * self.swing(k, time);
         Vector::from_fn(|k, _| {
             let across = (0..D).filter(|&l| l != k).fold(1.0, |product, l| product * stretch(l));
             let displacement = self.amplitude * libm::sin(PI * rest[k]) * self.swing(k, time);
-            let modulus = (2.0 * MU + LAMBDA * across * across) / DENSITY;
+            let modulus = (2.0 * moduli.mu + moduli.lambda * across * across) / DENSITY;
             PI * PI * displacement * (modulus - self.speed * self.speed)
         })
     }
@@ -71,6 +73,18 @@ pub struct Vortex {
 }
 
 impl Vortex {
+    /// a [m].
+    pub fn inner(&self) -> f64 {
+        self.middle - 0.25
+    }
+
+    /// The largest shear, max |R dalpha/dR| where A is reached; of a thousand radii, to 1e-5 of itself.
+    pub fn largest_shear(&self) -> f64 {
+        let radii = (0..=1000).map(|k| self.inner() + 0.5 * f64::from(k) / 1000.0);
+        let shear = |radius: f64| (self.angle * radius * self.profile(radius)[1]).abs();
+        radii.map(shear).fold(0.0, f64::max)
+    }
+
     /// h, h' and h''.
     fn profile(&self, radius: f64) -> [f64; 3] {
         let s = radius - self.middle;
@@ -121,8 +135,30 @@ impl Solution<2> for Vortex {
         let divergence =
             outwards * (p1_slope - p3 * turn) + round * (p1 * turn + p3_slope + (p2 + p3) / radius);
         let second = (round * (acceleration * h) - outwards * (rate * h * rate * h)) * radius;
-        second - divergence * (2.0 * MU / DENSITY)
+        second - divergence * (2.0 * lame().mu / DENSITY)
     }
+}
+
+/// dx/dX at a place at rest, by central differences.
+pub fn deformation_gradient<const D: usize>(
+    solution: &impl Solution<D>,
+    rest: &Vector<f64, D>,
+    time: f64,
+) -> Matrix<f64, D> {
+    // chosen: truncation (the step's square over 6) and round-off both stay below 1e-10.
+    let step = 1e-5;
+    let mut f = Matrix::<f64, D>::zeros();
+    for k in 0..D {
+        let arm = along(k, step);
+        let ends = solution.position(&(rest + arm), time) - solution.position(&(rest - arm), time);
+        f.set_column(k, &(ends / (2.0 * step)));
+    }
+    f
+}
+
+/// The vector of the given length along an axis.
+fn along<const D: usize>(axis: usize, length: f64) -> Vector<f64, D> {
+    Vector::from_fn(|k, _| if k == axis { length } else { 0.0 })
 }
 
 /// The largest difference between a solution's body force and central differences of its motion and stress, over the largest force, at the
@@ -132,22 +168,10 @@ pub fn difference_from_finite_differences<const D: usize>(
     places: &[Vector<f64, D>],
     time: f64,
 ) -> f64 {
-    use snowlab_solver::geometry::Matrix;
-    use snowlab_solver::material::ConstitutiveModel;
     // chosen: third derivatives of the motion lose no more than 1e-7 to truncation and round-off.
     let (step, moment) = (1e-4, 1e-6);
-    let material = super::scenes::elastic::<f64>();
-    let along = |k: usize, length: f64| Vector::<f64, D>::from_fn(|i, _| if i == k { length } else { 0.0 });
-    let stress = |x: &Vector<f64, D>| {
-        let mut f = Matrix::<f64, D>::zeros();
-        for k in 0..D {
-            let arm = along(k, 0.1 * step);
-            let slope =
-                (solution.position(&(x + arm), time) - solution.position(&(x - arm), time)) / (0.2 * step);
-            f.set_column(k, &slope);
-        }
-        material.first_piola(&f, 1.0)
-    };
+    let material = elastic::<f64>();
+    let stress = |x: &Vector<f64, D>| material.first_piola(&deformation_gradient(solution, x, time), 1.0);
     let (mut largest, mut size) = (0.0_f64, 0.0_f64);
     for x in places {
         let mut divergence = Vector::<f64, D>::zeros();
