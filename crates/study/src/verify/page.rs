@@ -10,6 +10,7 @@ use super::{EXPERIMENTS, Found};
 use crate::table::{Cell, Table};
 
 const PAGE: &str = include_str!("pages/page.md.jinja");
+const PUBLISHED: &str = include_str!("pages/published.md.jinja");
 
 pub(super) fn page(found: &[Found], results: &str) -> anyhow::Result<String> {
     let mut engine = Environment::new();
@@ -33,7 +34,13 @@ pub(super) fn page(found: &[Found], results: &str) -> anyhow::Result<String> {
     let checks: Vec<&Check> = found.iter().flat_map(|(_, evidence)| &evidence.checks).collect();
     let failed = checks.iter().filter(|check| !check.holds()).count();
     let whole = found.len() == EXPERIMENTS.len();
-    Ok(engine.render_str(PAGE, context! { sections, results, checks => checks.len(), failed, whole })?)
+    let published = if whole {
+        engine.render_str(PUBLISHED, context! { tables => tables.clone() })?
+    } else {
+        String::new()
+    };
+    Ok(engine
+        .render_str(PAGE, context! { sections, results, checks => checks.len(), failed, whole, published })?)
 }
 
 /// Rows of all tables by name, as maps from column to value.
