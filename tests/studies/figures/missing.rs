@@ -40,8 +40,8 @@ fn missing_data_leave_a_note_and_contradictions_an_error() {
 
     let strip = [Strip { values: &nan, summary: None }, Strip { values: &[1.0], summary: None }];
     let endpoint = [
-        Endpoint { label: "D", scale: Scale::Linear, strips: &strip },
-        Endpoint { label: "N", scale: Scale::Logarithmic, strips: &[strip[0]; 2] },
+        Endpoint { label: "D", scale: Scale::Linear, hold: &[], strips: &strip },
+        Endpoint { label: "N", scale: Scale::Logarithmic, hold: &[], strips: &[strip[0]; 2] },
     ];
     let figure = Strips { title: "", arms: &["a", "b"], endpoints: &endpoint, note: "" };
     keep("empty-strips", &strips::strips(&figure).expect("values may be missing"));

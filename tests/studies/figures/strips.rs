@@ -36,7 +36,8 @@ fn strip_figure(name: &str, arms: usize, cases: usize) {
         .map(|arms| arms.iter().map(|v| Strip { values: v, summary: Some(summary(v)) }).collect())
         .collect();
     let labels = ["fragments N_{f}", "A = ln N_{eff}", "damage D", "crack length [m]"];
-    let endpoint = |k: usize| Endpoint { label: labels[k], scale: Scale::Linear, strips: &strips_of[k] };
+    let endpoint =
+        |k: usize| Endpoint { label: labels[k], scale: Scale::Linear, hold: &[], strips: &strips_of[k] };
     let endpoints: Vec<_> = (0..4).map(endpoint).collect();
     let figure = Strips {
         title: "Every seed of the four arms",

@@ -33,7 +33,7 @@ pub struct Guide<'a> {
     pub arm: Option<&'a str>,
     /// Its name, written at its end; may be empty.
     pub name: &'a str,
-    /// Abscissae, ascending.
+    /// Abscissae, towards the end with the name.
     pub x: &'a [f64],
     /// Ordinates.
     pub y: &'a [f64],
@@ -194,10 +194,6 @@ fn shared(
         return panel.draw_empty("no data");
     }
     marks(sheet, &panel, figure, quantity, true)?;
-    for (number, guide) in quantity.guides.iter().enumerate() {
-        let first = quantity.guides.iter().position(|other| other.name == guide.name) == Some(number);
-        draw_guide(sheet, &mut panel, guide, first)?;
-    }
     if figure.spread == Spread::Band {
         for (index, curve) in curves.iter().enumerate() {
             band(&panel, curve, style::category(index))?;
@@ -214,6 +210,11 @@ fn shared(
                 bars(&mut Panel::new(sheet, area, x, y)?, curve, style::category(index))?;
             }
         }
+    }
+    // Above the curves, which may lie on them.
+    for (number, guide) in quantity.guides.iter().enumerate() {
+        let first = quantity.guides.iter().position(|other| other.name == guide.name) == Some(number);
+        draw_guide(sheet, &mut panel, guide, first)?;
     }
     if above { name_above(sheet, &panel, curves) } else { name_ends(sheet, &panel, curves) }
 }
@@ -352,7 +353,10 @@ fn draw_guide(
     panel.plot().draw(&DashedPathElement::new(line, fine(7.0), fine(7.0), stroked(2.0, MARKER)))?;
     match panel.point(x, y) {
         Some([column, row]) if named && !guide.name.is_empty() => {
-            draw_patched(sheet, guide.name, [column - 6.0, row - 8.0], Anchor::End)
+            let wide = text::width(guide.name, Face::Regular, TICK);
+            let fits = column - 6.0 - wide >= panel.area.left;
+            let (x, anchor) = if fits { (column - 6.0, Anchor::End) } else { (column + 6.0, Anchor::Start) };
+            draw_patched(sheet, guide.name, [x, row - 8.0], anchor)
         }
         _ => Ok(()),
     }

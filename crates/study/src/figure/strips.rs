@@ -36,6 +36,8 @@ pub struct Endpoint<'a> {
     pub label: &'a str,
     /// Scale of the vertical axis.
     pub scale: Scale,
+    /// Values which the axis must hold besides the data.
+    pub hold: &'a [f64],
     /// One strip per arm, in the order of the arms.
     pub strips: &'a [Strip<'a>],
 }
@@ -108,7 +110,8 @@ pub fn strips(figure: &Strips<'_>) -> Result<Drawing, FigureError> {
 fn draw_endpoint(sheet: &Sheet<'_>, endpoint: &Endpoint<'_>, area: Rect) -> Result<(), FigureError> {
     let ends = endpoint.strips.iter().filter_map(|s| s.summary).flat_map(|s| [s.low, s.high]);
     let values = endpoint.strips.iter().flat_map(|strip| strip.values).copied();
-    let y = Axis::around(endpoint.scale, values.chain(ends), 0.07);
+    let held = endpoint.hold.iter().copied();
+    let y = Axis::around(endpoint.scale, values.chain(ends).chain(held), 0.07);
     let x = Axis { scale: Scale::Linear, low: 0.0, high: endpoint.strips.len() as f64 };
     let mut panel = Panel::new(sheet, area, x, y)?;
     panel.draw_y(endpoint.label)?;

@@ -49,8 +49,8 @@ pub struct Panel<'a> {
     pub lines: Vec<Line>,
     /// Dashed lines of theory, each beside the line of its name.
     pub theory: Vec<Line>,
-    /// Dashed lines beside all, each with its name.
-    pub slopes: Vec<Line>,
+    /// Dashed lines beside all, name and both ends.
+    pub slopes: Vec<(&'static str, [f64; 2], [f64; 2])>,
 }
 
 impl<'a> Panel<'a> {
@@ -69,10 +69,12 @@ impl<'a> Panel<'a> {
         let coarse = if towards < 0.0 { first } else { last };
         let top = all().filter(|(x, _)| *x == coarse).map(|(_, y)| y).fold(0.0, f64::max);
         let floor = all().map(|(_, y)| y).filter(|y| *y > 0.0).fold(f64::INFINITY, f64::min);
+        let fine = if towards < 0.0 { last } else { first };
         for (order, name) in [(1.0, "order 1"), (2.0, "order 2")] {
-            let points = (0..=20).map(|k| first * (last / first).powf(f64::from(k) / 20.0));
-            let line = points.map(|x| (x, top * (x / coarse).powf(towards * order)));
-            self.slopes.push(Line::new(name, line.filter(|(_, y)| *y >= floor)));
+            let error = |x: f64| top * (x / coarse).powf(towards * order);
+            // As far as the errors reach.
+            let end = if error(fine) < floor { coarse * (floor / top).powf(towards / order) } else { fine };
+            self.slopes.push((name, [coarse, end], [top, error(end)]));
         }
         self
     }
@@ -84,8 +86,7 @@ impl<'a> Panel<'a> {
             x: &line.x,
             y: &line.y,
         });
-        let slopes =
-            self.slopes.iter().map(|line| Guide { arm: None, name: &line.name, x: &line.x, y: &line.y });
+        let slopes = self.slopes.iter().map(|(name, x, y)| Guide { arm: None, name, x, y });
         theory.chain(slopes).collect()
     }
 }

@@ -317,10 +317,12 @@ fn figure(found: &[Found]) -> anyhow::Result<Drawing> {
         .iter()
         .map(|values| values.iter().map(|values| Strip { values, summary: None }).collect())
         .collect();
+    // One scale for all, from the default step on.
+    let hold = [0.5, over.iter().flatten().flatten().copied().fold(1.0, f64::max)];
     let endpoints: Vec<Endpoint> = bodies
         .iter()
         .zip(&strips_of)
-        .map(|(label, strips)| Endpoint { label, scale: Scale::Linear, strips })
+        .map(|(label, strips)| Endpoint { label, scale: Scale::Linear, hold: &hold, strips })
         .collect();
     let note = "Limit of dt c / h over the one derived for a lone particle; the default step is at 0.5.";
     Ok(strips(&Strips { title: "", arms: &arms, endpoints: &endpoints, note })?)

@@ -28,7 +28,7 @@ pub(super) fn endpoints(arms: &Arms) -> anyhow::Result<Option<Titled>> {
     let panels: Vec<Endpoint> = shown
         .iter()
         .zip(&strips_of)
-        .map(|((_, label), strips)| Endpoint { label, scale: Scale::Linear, strips })
+        .map(|((_, label), strips)| Endpoint { label, scale: Scale::Linear, hold: &[], strips })
         .collect();
     let figure = Strips {
         title: "",

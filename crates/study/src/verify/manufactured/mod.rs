@@ -14,6 +14,7 @@ use snowlab_solver::{KernelKind, Transfer};
 
 use super::Setting;
 use super::evidence::{Check, Evidence, EvidenceFigure};
+use super::scenes::kernel_name;
 use follow::Run;
 use series::{LIGHT, Motion, Series, VORTEX, grids, on_one_grid, refined, waves};
 use solutions::difference_from_finite_differences;
@@ -51,23 +52,35 @@ pub fn run(setting: &Setting) -> anyhow::Result<Evidence> {
 
 fn figures(grouped: &[&[Run]]) -> anyhow::Result<Vec<EvidenceFigure>> {
     let cubic = |s: &Series, motion| s.motion == motion && s.kernel == KernelKind::Cubic;
+    let transfers = |s: &Series| {
+        (s.motion == Motion::Waves2 && s.per_axis == 4)
+            .then(|| format!("{} {}", kernel_name(s.kernel), s.transfer_name()))
+    };
+    let vortex = |s: &Series| {
+        (cubic(s, Motion::Vortex) && s.reference_step == LIGHT)
+            .then(|| format!("{}, {} per cell", s.transfer_name(), s.per_cell()))
+    };
+    let placements = |s: &Series| {
+        let precision = if s.single { ", f32" } else { "" };
+        let walls = if s.mirrored { "" } else { ", zeroed walls" };
+        (cubic(s, Motion::Waves2) && s.transfer == Transfer::Mls && s.per_axis == 2)
+            .then(|| format!("{}{precision}{walls}", s.placement_name()))
+    };
     Ok(vec![
         EvidenceFigure {
             name: "manufactured-transfers",
             caption: "Standing waves in 2D, lattice of 16 particles per cell: error against cells per metre, each kernel and transfer.",
-            drawing: figure(grouped, &|s| s.motion == Motion::Waves2 && s.per_axis == 4)?,
+            drawing: figure(grouped, &transfers)?,
         },
         EvidenceFigure {
             name: "manufactured-vortex",
             caption: "The vortex, cubic kernel, 16 and 4 particles per cell: error against cells per metre.",
-            drawing: figure(grouped, &|s| cubic(s, Motion::Vortex) && s.reference_step == LIGHT)?,
+            drawing: figure(grouped, &vortex)?,
         },
         EvidenceFigure {
             name: "manufactured-placement",
             caption: "Standing waves in 2D, cubic mls, 4 particles per cell: placement, precision and walls.",
-            drawing: figure(grouped, &|s| {
-                cubic(s, Motion::Waves2) && s.transfer == Transfer::Mls && s.per_axis == 2
-            })?,
+            drawing: figure(grouped, &placements)?,
         },
     ])
 }

@@ -124,13 +124,14 @@ pub fn solutions_table() -> Table {
     Table { name: "manufactured-solutions", rows: rows.into_iter().map(row).collect() }
 }
 
-/// Errors against the grid of the series chosen, beside the slopes of orders 1 and 2.
-pub fn figure(grouped: &[&[Run]], chosen: &dyn Fn(&Series) -> bool) -> anyhow::Result<Drawing> {
-    let shown: Vec<&&[Run]> = grouped.iter().filter(|runs| chosen(&runs[0].series)).collect();
+/// Errors against the grid of the series that are named, beside the slopes of orders 1 and 2.
+pub fn figure(grouped: &[&[Run]], name: &dyn Fn(&Series) -> Option<String>) -> anyhow::Result<Drawing> {
+    let shown: Vec<(String, &[Run])> =
+        grouped.iter().filter_map(|runs| Some((name(&runs[0].series)?, *runs))).collect();
     let lines = |of: fn(&Errors) -> f64| -> Vec<Line> {
-        let line = |runs: &&&[Run]| {
+        let line = |(name, runs): &(String, &[Run])| {
             let points = runs.iter().map(|run| (run.cells as f64, run.mean(of)));
-            Line::new(runs[0].series.name(), points.collect::<Vec<_>>())
+            Line::new(name.as_str(), points.collect::<Vec<_>>())
         };
         shown.iter().map(line).collect()
     };
