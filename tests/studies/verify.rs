@@ -62,3 +62,12 @@ fn an_unknown_experiment_is_refused_with_the_names_of_all() {
         assert!(printed.contains(experiment.id) && printed.contains(experiment.title), "{printed}");
     }
 }
+
+#[test]
+fn the_committed_page_is_what_the_committed_tables_and_the_templates_give() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let rendered = snowlab_study::verify::page(&root.join("results/verify"), "../results/verify")
+        .expect("the committed tables can be read");
+    let committed = std::fs::read_to_string(root.join("docs/verification.md")).unwrap();
+    assert!(rendered == committed, "docs/verification.md is out of date: `make verify` writes it");
+}

@@ -41,7 +41,7 @@ pub fn verify(arguments: &VerifyArguments) -> anyhow::Result<Exit> {
     let found = verify::verify(&arguments.experiments, &setting, tell)?;
     verify::write(&found, &arguments.out)?;
     if let Some(page) = &arguments.page {
-        write_page(&found, page, &arguments.out)?;
+        write_page(page, &arguments.out)?;
     }
     let checks: Vec<_> = found.iter().flat_map(|(_, evidence)| &evidence.checks).collect();
     let failed = checks.iter().filter(|check| !check.holds()).count();
@@ -65,8 +65,8 @@ fn tell((experiment, evidence): &Found) {
     }
 }
 
-fn write_page(found: &[Found], page: &Path, out: &Path) -> anyhow::Result<()> {
-    let text = verify::page(found, &from_page(page, out))?;
+fn write_page(page: &Path, out: &Path) -> anyhow::Result<()> {
+    let text = verify::page(out, &from_page(page, out))?;
     write_whole(page, text.as_bytes()).with_context(|| format!("cannot write {}", page.display()))
 }
 

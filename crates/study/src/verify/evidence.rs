@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::Found;
 use crate::figure::Drawing;
 use crate::table::{Row, Table};
 
@@ -83,4 +84,23 @@ pub(super) fn checks_table<'a>(checks: impl Iterator<Item = (&'static str, &'a C
         row
     };
     Table { name: "checks", rows: checks.map(row).collect() }
+}
+
+/// What each experiment left, `results/verify/contents.csv`: from it, the tables and the checks the page is made.
+pub(super) fn contents_table(found: &[Found]) -> Table {
+    let row = |experiment: &str, kind: &str, name: &str, caption: &str| {
+        let mut row = Row::default();
+        row.put("experiment", "-", "section of docs/verification.md", experiment)
+            .put("kind", "-", "table or figure", kind)
+            .put("name", "-", "file without ending", name)
+            .put("caption", "-", "of a figure", caption);
+        row
+    };
+    let rows = found.iter().flat_map(|(experiment, evidence)| {
+        let tables = evidence.tables.iter().map(|table| row(experiment.id, "table", table.name, ""));
+        let figures =
+            evidence.figures.iter().map(|figure| row(experiment.id, "figure", figure.name, figure.caption));
+        tables.chain(figures).collect::<Vec<_>>()
+    });
+    Table { name: "contents", rows: rows.collect() }
 }

@@ -166,6 +166,7 @@ pub fn write(found: &[Found], folder: &Path) -> anyhow::Result<()> {
         .iter()
         .flat_map(|(experiment, evidence)| evidence.checks.iter().map(|check| (experiment.id, check)));
     evidence::checks_table(checks).write(folder)?;
+    evidence::contents_table(found).write(folder)?;
     for (_, evidence) in found {
         for table in &evidence.tables {
             table.write(folder)?;
@@ -179,10 +180,10 @@ pub fn write(found: &[Found], folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The page of what was found, in Markdown. `results` is the folder of tables and figures as seen from the page.
+/// The page of the tables that [`write`] left in `folder`, in Markdown. `results` is that folder as seen from the page.
 ///
 /// # Errors
-/// A section that names a table or column that is not there.
-pub fn page(found: &[Found], results: &str) -> anyhow::Result<String> {
-    page::page(found, results)
+/// A table that is not there or cannot be read, and a section that names a table or column that is not there.
+pub fn page(folder: &Path, results: &str) -> anyhow::Result<String> {
+    page::page(folder, results)
 }
