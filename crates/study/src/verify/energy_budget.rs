@@ -182,7 +182,7 @@ pub fn run(setting: &Setting) -> anyhow::Result<Evidence> {
             },
             EvidenceFigure {
                 name: "energy-residual",
-                caption: "What is left of the budgets against the step: the bounce's falls in proportion, the impact's has no order.",
+                caption: "What is left of the budgets against the step: the bounce's falls in proportion, the impact's changes its sign on the way.",
                 drawing: residuals(&[bounces.as_slice(), impacts.as_slice()])?,
             },
         ],
@@ -202,8 +202,8 @@ fn order(runs: &[Run]) -> Check {
     }
 }
 
-/// The residual of the impact at the shortest step. Between the kinks of yield and contact it changes its sign, so that no order can be read
-/// off; it stays below 2000 / s of the step, and 0.2 %, all the same.
+/// The residual of the impact at the shortest step. Between the kinks of yield and contact it changes its sign, so that no order can be fitted
+/// to all steps; it stays below 2000 / s of the step, and 0.2 %, all the same.
 fn last(runs: &[Run]) -> Check {
     let shortest = &runs[runs.len() - 1];
     let bound = 2e3 * shortest.dt + 2e-3;

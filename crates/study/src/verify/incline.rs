@@ -22,7 +22,7 @@ const SPEED: f64 = 1.0;
 const BLOCK: [f64; 2] = [0.4, 0.1];
 /// How long it is watched [s].
 const END: f64 = 0.5;
-/// Stiffness over that of snow: nearly rigid, for a soft block that rubs hard sticks and slips in turn.
+/// Stiffness over that of snow: nearly rigid, as the formula has it.
 const STIFFNESS: f64 = 400.0;
 /// Softer blocks, to show what that does, with apic and the greatest friction.
 const SOFTER: [f64; 3] = [1.0, 10.0, 100.0];

@@ -79,7 +79,9 @@ fn values(record: &Record) -> Value {
             _ => Value::from(text),
         },
     };
-    record.iter().map(|(name, text)| (name.as_str(), value(text))).collect()
+    Value::from(
+        record.iter().map(|(name, text)| (name.clone(), value(text))).collect::<BTreeMap<String, Value>>(),
+    )
 }
 
 /// A row of the checks, numbers with four digits.
