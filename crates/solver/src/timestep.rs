@@ -80,7 +80,8 @@ pub(crate) fn step_length_for<T: Real, const D: usize>(
 /// `dt` cut so that `remaining` seconds are met exactly: the last two steps share evenly what is left for them, rather
 /// than that the last one is tiny.
 pub fn meet(dt: f64, remaining: f64) -> f64 {
-    if dt >= remaining {
+    // Times add up with round-off: a step that misses the end by that much meets it.
+    if dt * (1.0 + 1e-9) >= remaining {
         remaining
     } else if 2.0 * dt > remaining {
         0.5 * remaining
