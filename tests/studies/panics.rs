@@ -41,8 +41,8 @@ fn a_case_that_panics_is_a_record_and_is_run_again() {
     let study = Study::expand(spec::parse(STUDY).unwrap(), None).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let archive = Archive::open(&study, folder.path(), Path::new(".")).unwrap();
-    archive.run(0, &mut Clumsy).unwrap();
-    archive.run(1, &mut Unobserved).unwrap();
+    archive.run(0, 1, &mut Clumsy).unwrap();
+    archive.run(1, 1, &mut Unobserved).unwrap();
 
     let results = archive.results().unwrap();
     let outcomes: Vec<String> = results.iter().map(|result| result.record.outcome.in_words()).collect();
@@ -50,7 +50,7 @@ fn a_case_that_panics_is_a_record_and_is_run_again() {
     assert!(results[0].failure().unwrap().contains("dropped the snowball"));
     assert_eq!(archive.missing(), [0], "it still counts as not run");
 
-    archive.run(0, &mut Unobserved).unwrap();
+    archive.run(0, 1, &mut Unobserved).unwrap();
     assert!(archive.missing().is_empty());
     assert_eq!(archive.result(0).unwrap().record.outcome, Outcome::Ok);
     let left = archive.case_folder(0).path().join("panic.json");
