@@ -4,6 +4,8 @@ use super::energy;
 use super::grid::Node;
 use super::nodes::{self, NodeEnergies, Push};
 use super::particles::{Block, Label, Layout, Particles};
+#[cfg(test)]
+use super::simd::Lanes;
 use super::simd::{CHUNK, InstructionSet};
 use super::transfer::{self, Scratch, Terms};
 use super::update::{BlockReport, MaterialNumbers, Update};
@@ -127,6 +129,24 @@ for_each_set!(
         origin: &Vector<f64, D>,
     ) -> StoredEnergy = energy::stored_energy
 );
+#[cfg(test)]
+for_each_set!(
+    fn exponential_of[T: Real][T](x: T) -> T = lane_exponential
+);
+
+#[cfg(test)]
+#[inline(always)]
+fn lane_exponential<I: InstructionSet<T>, T: Real>(x: T) -> T {
+    let mut lanes = [T::zero(); CHUNK];
+    super::strain::exponential::<T, I::Lanes>(I::Lanes::splat(x)).store(&mut lanes);
+    lanes[0]
+}
+
+/// See [`super::strain::exponential`].
+#[cfg(test)]
+pub(super) fn exponential<T: Real>(set: Set, x: T) -> T {
+    exponential_of::<T>(set, x)
+}
 
 /// A function generic over kernel and terms, called with both as compile-time constants.
 macro_rules! for_kernel_and_terms {

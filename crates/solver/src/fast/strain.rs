@@ -430,12 +430,13 @@ pub(super) fn stretch_factor<T: Real, V: Lanes<T>, const D: usize>(h: &Matrix<V,
     greatest
 }
 
-/// e^x, by 2^n e^r with |r| <= ln 2 / 2 and Taylor's series; within 2 units in the last place, and at the least and greatest normal numbers
-/// where the result is beyond them.
+/// e^x, by 2^n e^r with |r| <= ln 2 / 2 and Taylor's series; within 2 units in the last place. Where e^x is no normal number, the least or
+/// the greatest power of two that is.
 #[inline(always)]
 pub(super) fn exponential<T: Real, V: Lanes<T>>(x: V) -> V {
+    let reach = T::of(T::EXPONENT_REACH * std::f64::consts::LN_2);
+    let x = x.max(V::splat(-reach)).min(V::splat(reach));
     let n = x.mul_add(V::splat(T::of(std::f64::consts::LOG2_E)), V::splat(T::of(0.5))).floor();
-    let n = n.max(V::splat(T::of(-T::EXPONENT_REACH))).min(V::splat(T::of(T::EXPONENT_REACH)));
     let [high, low] = T::LN_2;
     let r = n.neg_mul_add(V::splat(low), n.neg_mul_add(V::splat(high), x));
     let mut sum = V::splat(T::one());

@@ -98,8 +98,9 @@ fn run<T: Real, const D: usize>(scene: &Scene<T, D>, set: Set, threads: usize, s
 }
 
 fn sets() -> Vec<Set> {
+    static TOLD: std::sync::Once = std::sync::Once::new();
     let sets = Set::all();
-    println!("instruction sets tested: {sets:?}");
+    TOLD.call_once(|| println!("instruction sets tested: {sets:?}"));
     sets
 }
 
@@ -228,5 +229,34 @@ fn a_refused_step_leaves_every_bit_between_sorts_too() {
         assert_eq!(fastest, fast.fastest());
         let dt = step_length_for(&scene, 1.0, fast.fastest());
         fast.step(&scene, 0.0, dt, false).expect("a stable step");
+    }
+}
+
+/// What lanes compute of `x`, put in all of them, for every instruction set.
+fn exponentials<T: Real>(x: f64) -> Vec<f64> {
+    sets().into_iter().map(|set| super::dispatch::exponential::<T>(set, T::of(x)).as_f64()).collect()
+}
+
+#[test]
+fn the_exponential_is_right_from_end_to_end() {
+    for k in -20_000..=20_000 {
+        let x = f64::from(k) * 0.04;
+        for (found, (least, greatest, epsilon)) in exponentials::<f32>(x)
+            .into_iter()
+            .map(|found| (found, (2.0_f64.powi(-126), 2.0_f64.powi(126), f64::from(f32::EPSILON))))
+            .chain(
+                exponentials::<f64>(x)
+                    .into_iter()
+                    .map(|found| (found, (2.0_f64.powi(-1022), 2.0_f64.powi(1022), f64::EPSILON))),
+            )
+        {
+            // In f32 the argument has been rounded as well.
+            let argument = if epsilon > 1e-10 { f64::from(x as f32) } else { x };
+            let exact = argument.exp();
+            let expected = exact.clamp(least, greatest);
+            // At the ends it is the argument that is bounded, and rounded.
+            let tolerance = if exact == expected { 2.0 } else { 100.0 } * epsilon;
+            assert!((found / expected - 1.0).abs() < tolerance, "e^{x} = {expected:e}, not {found:e}");
+        }
     }
 }
