@@ -255,7 +255,7 @@ fn the_exponential_is_right_from_end_to_end() {
             let exact = argument.exp();
             let expected = exact.clamp(least, greatest);
             // At the ends it is the argument that is bounded, and rounded.
-            let tolerance = if exact == expected { 2.0 } else { 100.0 } * epsilon;
+            let tolerance = if exact == expected { 2.0 } else { 1000.0 } * epsilon;
             assert!((found / expected - 1.0).abs() < tolerance, "e^{x} = {expected:e}, not {found:e}");
         }
     }
