@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use crate::diagnostics::{elastic_energy, potential_energy};
 use crate::error::{Rejection, SceneError, SimulationError};
 use crate::fast;
+use crate::geometry::Vector;
 use crate::ledger::StepLedger;
 use crate::real::Real;
 use crate::scene::{Scene, StepLength};
@@ -94,6 +95,19 @@ impl<T: Real, const D: usize> Simulation<T, D> {
     pub fn state_mut(&mut self) -> &mut State<T, D> {
         self.unload();
         &mut self.state
+    }
+
+    /// Gives each particle the acceleration by a force of its own that `of` tells for its id [m/s^2], until it is told another.
+    pub fn accelerate(&mut self, of: impl Fn(u32) -> Vector<T, D>) {
+        self.seen.take();
+        if let Some(fast) = &mut self.workspace.fast
+            && fast.is_loaded()
+            && fast.accelerate(&of)
+        {
+            return;
+        }
+        let state = self.state_mut();
+        state.body_acceleration = state.constants.id.iter().map(|&id| of(id)).collect();
     }
 
     /// Bytes of particles and grid that the fast engine holds; those of snapshots and of the reference engine are not counted.

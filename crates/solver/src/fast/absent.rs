@@ -36,6 +36,9 @@ impl<T: Real, const D: usize> Fast<T, D> {
     pub fn fastest(&self) -> [T; 2] {
         [T::zero(); 2]
     }
+    pub fn accelerate(&mut self, _of: &impl Fn(u32) -> Vector<T, D>) -> bool {
+        false
+    }
     pub fn save(&self) -> Saved<T, D> {
         Saved(std::marker::PhantomData)
     }

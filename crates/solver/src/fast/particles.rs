@@ -283,6 +283,21 @@ impl<T: Real, const D: usize> Particles<T, D> {
         );
     }
 
+    /// Sets the accelerations of all lanes by `of` their ids; `false` where there is no room for any.
+    pub fn accelerate(&mut self, of: &impl Fn(u32) -> Vector<T, D>) -> bool {
+        if !self.layout.forced {
+            return false;
+        }
+        let first = self.layout.force();
+        for (chunk, labels) in self.fields.chunks_exact_mut(self.layout.fields()).zip(&self.labels) {
+            for lane in 0..CHUNK {
+                let acceleration = of(labels[lane].id);
+                (0..D).for_each(|k| chunk[first + k][lane] = acceleration[k]);
+            }
+        }
+        true
+    }
+
     /// Bytes in store.
     pub fn bytes(&self) -> usize {
         std::mem::size_of_val(&self.fields[..]) + std::mem::size_of_val(&self.labels[..])

@@ -129,6 +129,17 @@ impl<T: Real, const D: usize> Fast<T, D> {
         [self.fastest_wave_squared, self.fastest_squared]
     }
 
+    /// Gives each particle the acceleration that `of` tells for its id; `false` where the particles have no room for any.
+    pub fn accelerate(&mut self, of: &impl Fn(u32) -> Vector<T, D>) -> bool {
+        if !self.particles.accelerate(of) {
+            return false;
+        }
+        // Steps with other forces cannot be taken again: a refused step comes back here.
+        self.before.clone_from(&self.particles);
+        self.taken.clear();
+        true
+    }
+
     /// A copy of the particles.
     pub fn save(&self) -> Saved<T, D> {
         Saved { particles: self.particles.clone(), kinetic: self.kinetic, fastest: self.fastest() }

@@ -5,14 +5,13 @@ use snowlab_sampler::{Purpose, Streams, rng};
 use snowlab_solver::diagnostics::energies;
 use snowlab_solver::geometry::Vector;
 use snowlab_solver::material::ConstitutiveModel;
-use snowlab_solver::step::{Workspace, step};
 use snowlab_solver::timestep::wave_limit;
-use snowlab_solver::{InitialParticle, KernelKind, Scene, State, Transfer};
+use snowlab_solver::{InitialParticle, KernelKind, Scene, Simulation, State, Transfer};
 
 use super::Setting;
 use super::evidence::{Check, Effort, Evidence, EvidenceFigure};
 use super::scenes::{
-    DENSITY, KERNELS, TRANSFERS, elastic, kernel_name, lattice, particle, scene, transfer_name,
+    DENSITY, KERNELS, TRANSFERS, elastic, fixed_step, kernel_name, lattice, particle, scene, transfer_name,
 };
 use crate::assemble::{kernel, transfer};
 use crate::figure::Drawing;
@@ -100,18 +99,18 @@ fn bounded<const D: usize>(
     dt: f64,
     steps: usize,
 ) -> anyhow::Result<bool> {
-    let mut state = start.clone();
-    let mut workspace = Workspace::new(scene, &state)?;
+    let scene = Scene { time_step: fixed_step(dt), ..scene.clone() };
+    let mut simulation = Simulation::new(scene.clone(), start.clone())?;
     let total = |state: &State<f64, D>| {
-        let energies = energies(scene, state);
+        let energies = energies(&scene, state);
         energies.kinetic + energies.elastic
     };
-    let before = total(&state);
+    let before = total(start);
     for number in 1..=steps {
-        if step(scene, &mut state, &mut workspace, dt).is_err() {
+        if simulation.advance_one(f64::INFINITY).is_err() {
             return Ok(false);
         }
-        if number % 50 == 0 && !(total(&state) < 1e6 * before) {
+        if number % 50 == 0 && !(total(simulation.state()) < 1e6 * before) {
             return Ok(false);
         }
     }

@@ -163,14 +163,8 @@ impl Series {
         let mut simulation = Simulation::new(scene, state)?;
         // Counted, for a last step cut in two by round-off would have its velocities half-way at the wrong time.
         for _ in 0..steps as u64 {
-            let state = simulation.state_mut();
-            let now = state.time;
-            state.body_acceleration = state
-                .constants
-                .id
-                .iter()
-                .map(|&id| solution.body_acceleration(&rest[id as usize], now).map(T::of))
-                .collect();
+            let now = simulation.time();
+            simulation.accelerate(|id| solution.body_acceleration(&rest[id as usize], now).map(T::of));
             simulation.advance_one(f64::INFINITY)?;
         }
         let state = simulation.state();
