@@ -1,5 +1,7 @@
 //! The kernels, compiled for each instruction set, and the choice among them.
 
+use std::any::Any;
+
 use super::energy;
 use super::grid::Node;
 use super::nodes::{self, NodeEnergies, Push};
@@ -162,8 +164,64 @@ macro_rules! for_kernel_and_terms {
     };
 }
 
-/// See [`transfer::scatter_block`].
-pub(super) fn scatter_block<T: Real, const D: usize>(
+/// The kernels of a precision and a dimension. Pointers, so that they are compiled with this crate and not with every program that uses it.
+#[derive(Debug)]
+#[expect(clippy::type_complexity, reason = "the signatures of the kernels")]
+pub(super) struct Kernels<T: Real, const D: usize> {
+    /// [`transfer::scatter_block`].
+    pub scatter_block:
+        fn(Set, &Scene<T, D>, &Particles<T, D>, &[MaterialNumbers<T>], usize, &Terms<T>, &mut Scratch<T>),
+    /// [`transfer::gather_block`].
+    pub gather_block: fn(
+        Set,
+        &Update<T, D>,
+        Layout<D>,
+        &Block<D>,
+        &mut [[T; CHUNK]],
+        &mut [[Label; CHUNK]],
+        &mut Scratch<T>,
+        &mut BlockReport<T, D>,
+    ),
+    /// [`nodes::push_nodes`].
+    pub push_nodes:
+        fn(Set, &Push<T, D>, &[Node<T>], &[Node<T>], &mut [Node<T>], &mut [Node<T>]) -> NodeEnergies,
+    /// [`nodes::kinetic_energy`].
+    pub kinetic_energy: fn(Set, &[Node<T>], &[Node<T>]) -> f64,
+    /// [`energy::stored_energy`].
+    pub stored_energy: fn(
+        Set,
+        &[[T; CHUNK]],
+        &[[Label; CHUNK]],
+        Layout<D>,
+        &[MaterialNumbers<T>],
+        &Vector<T, D>,
+        &Vector<f64, D>,
+    ) -> StoredEnergy,
+}
+
+impl<T: Real, const D: usize> Kernels<T, D> {
+    const fn compiled() -> Self {
+        Kernels {
+            scatter_block: scatter_block::<T, D>,
+            gather_block: gather_block::<T, D>,
+            push_nodes: push::<T, D>,
+            kinetic_energy: kinetic::<T, D>,
+            stored_energy: energy::<T, D>,
+        }
+    }
+
+    /// Those of `T` and `D`.
+    pub fn get() -> &'static Self {
+        static PLANE_F32: Kernels<f32, 2> = Kernels::compiled();
+        static PLANE_F64: Kernels<f64, 2> = Kernels::compiled();
+        static SPACE_F32: Kernels<f32, 3> = Kernels::compiled();
+        static SPACE_F64: Kernels<f64, 3> = Kernels::compiled();
+        let all: [&'static dyn Any; 4] = [&PLANE_F32, &PLANE_F64, &SPACE_F32, &SPACE_F64];
+        all.into_iter().find_map(|kernels| kernels.downcast_ref()).expect("D is 2 or 3, T f32 or f64")
+    }
+}
+
+fn scatter_block<T: Real, const D: usize>(
     set: Set,
     scene: &Scene<T, D>,
     particles: &Particles<T, D>,
@@ -175,9 +233,8 @@ pub(super) fn scatter_block<T: Real, const D: usize>(
     for_kernel_and_terms!(scene, scatter, set, particles, materials, home, terms, scratch)
 }
 
-/// See [`transfer::gather_block`].
 #[expect(clippy::too_many_arguments, reason = "the parts of a stage")]
-pub(super) fn gather_block<T: Real, const D: usize>(
+fn gather_block<T: Real, const D: usize>(
     set: Set,
     update: &Update<T, D>,
     layout: Layout<D>,
@@ -188,34 +245,4 @@ pub(super) fn gather_block<T: Real, const D: usize>(
     report: &mut BlockReport<T, D>,
 ) {
     for_kernel_and_terms!(update.scene, gather, set, update, layout, block, fields, labels, scratch, report)
-}
-
-/// See [`nodes::push_nodes`].
-pub(super) fn push_nodes<T: Real, const D: usize>(
-    set: Set,
-    terms: &Push<T, D>,
-    sums: &[Node<T>],
-    forces: &[Node<T>],
-    motion: &mut [Node<T>],
-    change: &mut [Node<T>],
-) -> NodeEnergies {
-    push::<T, D>(set, terms, sums, forces, motion, change)
-}
-
-/// See [`nodes::kinetic_energy`].
-pub(super) fn kinetic_energy<T: Real, const D: usize>(set: Set, sums: &[Node<T>], motion: &[Node<T>]) -> f64 {
-    kinetic::<T, D>(set, sums, motion)
-}
-
-/// See [`energy::stored_energy`].
-pub(super) fn stored_energy<T: Real, const D: usize>(
-    set: Set,
-    fields: &[[T; CHUNK]],
-    labels: &[[Label; CHUNK]],
-    layout: Layout<D>,
-    materials: &[MaterialNumbers<T>],
-    gravity: &Vector<T, D>,
-    origin: &Vector<f64, D>,
-) -> StoredEnergy {
-    energy::<T, D>(set, fields, labels, layout, materials, gravity, origin)
 }

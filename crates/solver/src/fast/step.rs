@@ -1,6 +1,6 @@
 //! The fast engine's step: the stages of `step.rs`, each over blocks on all threads.
 
-use super::dispatch::{self, Set};
+use super::dispatch::{Kernels, Set};
 use super::grid::{BLOCK_NODES, BlockGrid, Node, block_edge};
 use super::nodes::{NodeEnergies, Push, node_position};
 use super::particles::Particles;
@@ -45,6 +45,7 @@ struct Taken {
 #[derive(Clone, Debug)]
 pub(crate) struct Fast<T: Real, const D: usize> {
     set: Set,
+    kernels: &'static Kernels<T, D>,
     pool: Pool,
     /// Whether it holds the particles of a run.
     loaded: bool,
@@ -74,6 +75,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
         let Some(set) = Set::widest() else { return Ok(None) };
         Ok(Some(Fast {
             set,
+            kernels: Kernels::get(),
             pool: Pool::new(threads),
             loaded: false,
             materials: scene.materials.iter().map(MaterialNumbers::of::<D>).collect(),
@@ -167,8 +169,9 @@ impl<T: Real, const D: usize> Fast<T, D> {
                 let chunks = block.first_chunk..block.first_chunk + block.chunks();
                 let fields = &fields[chunks.start * layout.fields()..chunks.end * layout.fields()];
                 let (labels, materials, gravity) = (&labels[chunks], &self.materials, &scene.gravity);
-                let energy =
-                    dispatch::stored_energy(self.set, fields, labels, *layout, materials, gravity, origin);
+                let energy = (self.kernels.stored_energy)(
+                    self.set, fields, labels, *layout, materials, gravity, origin,
+                );
                 #[expect(unsafe_code, reason = "tasks write to numbers of their own")]
                 // SAFETY: every block belongs to one task.
                 unsafe {
@@ -291,7 +294,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
         for colour in &self.grid.colours {
             self.pool.run(colour.len(), Scratch::new::<D>, |scratch, number| {
                 let home = colour[number] as usize;
-                dispatch::scatter_block(
+                (self.kernels.scatter_block)(
                     self.set,
                     scene,
                     &self.particles,
@@ -320,7 +323,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
     /// Stages 3 to 5 but for mirrors.
     fn push_nodes(&mut self, scene: &Scene<T, D>, time: f64, dt: T, apart: bool, ledger: &mut StepLedger<D>) {
         let push = Push { gravity: scene.gravity, dt, empty: self.empty, apart };
-        let (set, grid) = (self.set, &mut self.grid);
+        let (set, kernels, grid) = (self.set, self.kernels, &mut self.grid);
         let blocks = grid.blocks();
         let mut reports: Vec<(NodeEnergies, Option<Box<StepLedger<D>>>)> =
             vec![(NodeEnergies::default(), None); blocks];
@@ -352,14 +355,8 @@ impl<T: Real, const D: usize> Fast<T, D> {
                             )
                         };
                         let sums = &grid.sums[nodes];
-                        report.0 = dispatch::push_nodes::<T, D>(
-                            set,
-                            &push,
-                            sums,
-                            &grid.forces[apart_nodes],
-                            motion,
-                            change,
-                        );
+                        report.0 =
+                            (kernels.push_nodes)(set, &push, sums, &grid.forces[apart_nodes], motion, change);
                         if !obstacles {
                             continue;
                         }
@@ -404,7 +401,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
             |_, task| {
                 for block in task * BLOCKS..blocks.min((task + 1) * BLOCKS) {
                     let nodes = block * BLOCK_NODES..(block + 1) * BLOCK_NODES;
-                    let energy = dispatch::kinetic_energy::<T, D>(
+                    let energy = (self.kernels.kinetic_energy)(
                         self.set,
                         &self.grid.sums[nodes.clone()],
                         &self.grid.motion[nodes],
@@ -441,7 +438,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
         {
             let (fields, labels, reports) =
                 (Shared::new(fields), Shared::new(labels), Shared::new(&mut reports));
-            let (grid, set) = (&self.grid, self.set);
+            let (grid, set, kernels) = (&self.grid, self.set, self.kernels);
             let copies_change = share.is_some() && D == 3;
             self.pool.run(blocks.len(), Scratch::new::<D>, |scratch, home| {
                 let block = &blocks[home];
@@ -465,7 +462,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
                 if is_near(&scene.colliders, &reach, interval.arrival) {
                     report.contact = Some(Box::new(StepLedger::new(scene.colliders.len())));
                 }
-                dispatch::gather_block(set, &update, layout, block, fields, labels, scratch, report);
+                (kernels.gather_block)(set, &update, layout, block, fields, labels, scratch, report);
             });
         }
         if let Some((particle, reason)) = reports.iter().find_map(|report| report.rejection) {
