@@ -184,7 +184,7 @@ pub(super) fn surroundings<T: Real, const D: usize>(first_node: [i32; D], spacin
     (centre, (half + T::of(4.0)) * spacing * T::of((D as f64).sqrt()))
 }
 
-/// Whether some obstacle of `colliders` is within reach of the ball at any time from `start` to `end`.
+/// Whether some obstacle of `colliders` reaches into the ball at `time` [s].
 pub(super) fn is_near<T: Real, const D: usize>(
     colliders: &[Collider<T, D>],
     (centre, radius): &(Vector<T, D>, T),
@@ -470,7 +470,9 @@ fn flow_lanes<V: Lanes<T>, T: Real, const D: usize>(
         for k in 0..V::COUNT {
             labels[lane + k].clamped |= met >> k & 1 != 0;
         }
-        report.clamps += u64::from(met.count_ones());
+        // Lanes that only fill up the chunk have no mass and do not count.
+        let particles = V::bits(V::load(&chunk[Layout::<D>::MASS][lane..]).above(zero));
+        report.clamps += u64::from((met & particles).count_ones());
     }
     let scale = V::load(&chunk[Layout::<D>::SCALE][lane..]);
     let hardened = scale * exponential::<T, V>(surface.hardening * (one - bounded));
