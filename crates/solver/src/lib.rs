@@ -8,6 +8,10 @@ pub mod collision;
 mod deformation;
 pub mod diagnostics;
 pub mod error;
+#[cfg(target_arch = "x86_64")]
+mod fast;
+#[cfg(not(target_arch = "x86_64"))]
+#[path = "fast/absent.rs"]
 mod fast;
 pub mod geometry;
 pub mod grid;

@@ -3,15 +3,18 @@
 use std::any::Any;
 use std::sync::OnceLock;
 
+use super::batch::Scratch;
 use super::energy;
+use super::gather;
 use super::grid::Node;
+use super::material::MaterialNumbers;
 use super::nodes::{self, NodeEnergies, Push};
 use super::particles::{Block, Label, Layout, Particles};
+use super::scatter::{self, Terms};
 #[cfg(test)]
 use super::simd::Lanes;
 use super::simd::{CHUNK, InstructionSet};
-use super::transfer::{self, Scratch, Terms};
-use super::update::{BlockReport, MaterialNumbers, Update};
+use super::update::{BlockReport, Update};
 use super::weights::LaneKernel;
 use crate::geometry::Vector;
 use crate::kernel::{Cubic, KernelKind, Quadratic};
@@ -103,7 +106,7 @@ for_each_set!(
         home: usize,
         terms: &Terms<T>,
         scratch: &mut Scratch<T>,
-    ) -> () = transfer::scatter_block
+    ) -> () = scatter::scatter_block
 );
 for_each_set!(
     fn gather[T: Real, K: LaneKernel, const D: usize, const MOMENTS: bool, const SLOPES: bool][T, K, D, MOMENTS, SLOPES](
@@ -114,7 +117,7 @@ for_each_set!(
         labels: &mut [[Label; CHUNK]],
         scratch: &mut Scratch<T>,
         report: &mut BlockReport<T, D>,
-    ) -> () = transfer::gather_block
+    ) -> () = gather::gather_block
 );
 for_each_set!(
     fn push[T: Real, const D: usize][T, D](
@@ -175,10 +178,10 @@ macro_rules! for_kernel_and_terms {
 #[derive(Debug)]
 #[expect(clippy::type_complexity, reason = "the signatures of the kernels")]
 pub(super) struct Kernels<T: Real, const D: usize> {
-    /// [`transfer::scatter_block`].
+    /// [`scatter::scatter_block`].
     pub scatter_block:
         fn(Set, &Scene<T, D>, &Particles<T, D>, &[MaterialNumbers<T>], usize, &Terms<T>, &mut Scratch<T>),
-    /// [`transfer::gather_block`].
+    /// [`gather::gather_block`].
     pub gather_block: fn(
         Set,
         &Update<T, D>,

@@ -1,9 +1,9 @@
 //! What the watchdog asks of the particles: their elastic and potential energy.
 
-use super::particles::{Label, Layout};
+use super::material::{ChunkMaterial, MaterialNumbers};
+use super::particles::{Label, Layout, load_matrix};
 use super::simd::{CHUNK, InstructionSet, Lanes};
 use super::strain::energy_density;
-use super::update::{ChunkMaterial, MaterialNumbers, load_matrix};
 use crate::geometry::Vector;
 use crate::real::Real;
 use crate::watchdog::StoredEnergy;

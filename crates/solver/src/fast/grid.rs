@@ -123,21 +123,20 @@ impl<T: Real, const D: usize> BlockGrid<T, D> {
     /// Empties what particles add to.
     pub fn clear(&mut self, apart: bool, pool: &Pool) {
         // chosen: tasks of 64 kB and more.
-        const BLOCKS: usize = 64;
+        const LEAST_BLOCKS: usize = 64;
         let blocks = self.blocks();
         let (sums, forces) = (Shared::new(&mut self.sums), Shared::new(&mut self.forces));
         pool.run(
-            blocks.div_ceil(BLOCKS),
+            blocks,
+            LEAST_BLOCKS,
             || (),
-            |_, task| {
-                let first = task * BLOCKS * BLOCK_NODES;
-                let count = (BLOCKS * BLOCK_NODES).min(blocks * BLOCK_NODES - first);
+            |(), block| {
                 #[expect(unsafe_code, reason = "tasks write to nodes of their own")]
-                // SAFETY: every node belongs to one task.
+                // SAFETY: every block belongs to one task.
                 unsafe {
-                    sums.range(first, count).fill([T::zero(); CHANNELS]);
+                    sums.range(block * BLOCK_NODES, BLOCK_NODES).fill([T::zero(); CHANNELS]);
                     if apart {
-                        forces.range(first, count).fill([T::zero(); CHANNELS]);
+                        forces.range(block * BLOCK_NODES, BLOCK_NODES).fill([T::zero(); CHANNELS]);
                     }
                 }
             },
@@ -228,18 +227,59 @@ impl<T: Real, const D: usize> Nodes<T, D> for BlockGrid<T, D> {
     }
 
     fn motion(&self, index: usize) -> NodeMotion<T, D> {
-        let node = &self.motion[index];
-        let change = if D == 2 { vector(node, 2) } else { vector(&self.change[index], 0) };
-        NodeMotion { velocity: vector(node, 0), change }
+        read_motion(&self.motion, &self.change, index, true)
     }
 
     fn set_motion(&mut self, index: usize, motion: &NodeMotion<T, D>) {
-        for k in 0..D {
-            self.motion[index][k] = motion.velocity[k];
-            let change = if D == 2 { &mut self.motion[index][2 + k] } else { &mut self.change[index][k] };
-            *change = motion.change[k];
-        }
+        write_motion(&mut self.motion, &mut self.change, index, true, motion);
     }
+}
+
+/// Node `index`, whose change of velocity follows the velocity in 2D, is in `change` in 3D, and nowhere where it is not kept `apart`.
+pub(crate) fn read_motion<T: Real, const D: usize>(
+    motion: &[Node<T>],
+    change: &[Node<T>],
+    index: usize,
+    apart: bool,
+) -> NodeMotion<T, D> {
+    let of_change = match (apart, D) {
+        (false, _) => Vector::zeros(),
+        (true, 2) => vector(&motion[index], 2),
+        (true, _) => vector(&change[index], 0),
+    };
+    NodeMotion { velocity: vector(&motion[index], 0), change: of_change }
+}
+
+/// What [`read_motion`] reads.
+pub(crate) fn write_motion<T: Real, const D: usize>(
+    motion: &mut [Node<T>],
+    change: &mut [Node<T>],
+    index: usize,
+    apart: bool,
+    node: &NodeMotion<T, D>,
+) {
+    motion[index][..D].copy_from_slice(node.velocity.as_slice());
+    match (apart, D) {
+        (false, _) => {}
+        (true, 2) => motion[index][2..].copy_from_slice(node.change.as_slice()),
+        (true, _) => change[index][..D].copy_from_slice(node.change.as_slice()),
+    }
+}
+
+/// Adds the nodes of the tile from `first` on to `nodes`.
+#[inline(always)]
+pub(crate) fn add_run<T: Real>(tile: &[T], first: usize, nodes: &mut [Node<T>]) {
+    let tile = &tile[first * CHANNELS..];
+    for (sum, value) in nodes.as_flattened_mut().iter_mut().zip(tile) {
+        *sum += *value;
+    }
+}
+
+/// Copies `nodes` to the tile, from `first` on.
+#[inline(always)]
+pub(crate) fn copy_run<T: Real>(nodes: &[Node<T>], first: usize, tile: &mut [T]) {
+    let nodes = nodes.as_flattened();
+    tile[first * CHANNELS..][..nodes.len()].copy_from_slice(nodes);
 }
 
 /// Coordinates of node `local` of a block that begins at `first`, the last axis fastest.

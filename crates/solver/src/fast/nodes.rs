@@ -1,9 +1,12 @@
 //! Stages 3 to 5: the velocity of nodes, block by block.
 
-use super::grid::{BLOCK_NODES, Node, node_coordinates};
+use super::grid::{BLOCK_NODES, Node, node_coordinates, read_motion, write_motion};
 use super::simd::{CHANNELS, InstructionSet, ROW_NODES, Row};
+use crate::collision::collide_node;
 use crate::geometry::Vector;
+use crate::ledger::StepLedger;
 use crate::real::Real;
+use crate::scene::Scene;
 
 /// What a step asks of the nodes.
 #[derive(Clone, Copy, Debug)]
@@ -117,12 +120,27 @@ fn sum_of_velocities<I: InstructionSet<T>, T: Real, const D: usize>(row: I::Row)
     sum
 }
 
-/// Position of node `local` of a block that begins at `first` [m].
-pub(super) fn node_position<T: Real, const D: usize>(
+/// Stage 5 for the nodes of a block that begins at `first`, with obstacles where they are at `time` [s]; what they did.
+pub(super) fn collide_nodes<T: Real, const D: usize>(
+    scene: &Scene<T, D>,
+    push: &Push<T, D>,
     first: [i32; D],
-    local: usize,
-    spacing: T,
-) -> Vector<T, D> {
-    let node = node_coordinates(first, local);
-    Vector::from_fn(|k, _| T::of_index(node[k]) * spacing)
+    sums: &[Node<T>],
+    motion: &mut [Node<T>],
+    change: &mut [Node<T>],
+    time: f64,
+) -> StepLedger<D> {
+    let mut contact = StepLedger::new(scene.colliders.len());
+    for local in 0..BLOCK_NODES {
+        let mass = sums[local][D];
+        if mass <= push.empty {
+            continue;
+        }
+        let coordinates = node_coordinates(first, local);
+        let x = Vector::from_fn(|k, _| T::of_index(coordinates[k]) * scene.spacing);
+        let mut node = read_motion::<T, D>(motion, change, local, push.apart);
+        collide_node(scene, &x, mass, &mut node, time, &mut contact);
+        write_motion(motion, change, local, push.apart, &node);
+    }
+    contact
 }

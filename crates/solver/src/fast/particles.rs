@@ -5,7 +5,8 @@ use std::collections::HashMap;
 
 use super::grid::{BlockHash, block_edge};
 use super::pool::{Pool, Shared};
-use super::simd::CHUNK;
+use super::simd::{CHUNK, Lanes};
+use super::strain::Matrix as LaneMatrix;
 use crate::geometry::{Matrix, Vector};
 use crate::particles::{ParticleConstants, ParticleMotion};
 use crate::real::Real;
@@ -244,43 +245,34 @@ impl<T: Real, const D: usize> Particles<T, D> {
         let chunks = into.labels.len();
         let (to_fields, to_labels) = (Shared::new(&mut into.fields), Shared::new(&mut into.labels));
         // chosen: tasks of 256 particles, long beside the cost of handing one out.
-        const CHUNKS: usize = 16;
-        pool.run(
-            chunks.div_ceil(CHUNKS),
-            || (),
-            |_, task| {
-                for chunk in task * CHUNKS..chunks.min((task + 1) * CHUNKS) {
-                    #[expect(unsafe_code, reason = "tasks write to chunks of their own")]
-                    // SAFETY: every chunk belongs to one task.
-                    let (to, labels) = unsafe {
-                        (to_fields.range(chunk * fields, fields), &mut to_labels.range(chunk, 1)[0])
-                    };
-                    let mut from = [(usize::MAX, 0); CHUNK];
-                    for lane in 0..CHUNK {
-                        let (source, source_lane) = sources[chunk * CHUNK + lane];
-                        // Padding repeats the chunk's first particle, without mass and volume.
-                        from[lane] = if source == u32::MAX {
-                            from[0]
-                        } else {
-                            (source as usize, source_lane as usize)
-                        };
-                        labels[lane] = self.labels[from[lane].0][from[lane].1];
-                    }
-                    for field in 0..fields {
-                        for lane in 0..CHUNK {
-                            let (source, source_lane) = from[lane];
-                            to[field][lane] = self.fields[source * fields + field][source_lane];
-                        }
-                    }
-                    for lane in 0..CHUNK {
-                        if sources[chunk * CHUNK + lane].0 == u32::MAX {
-                            to[Layout::<D>::MASS][lane] = T::zero();
-                            to[Layout::<D>::VOLUME][lane] = T::zero();
-                        }
-                    }
+        const LEAST_CHUNKS: usize = 16;
+        let gather_chunk = |chunk: usize| {
+            #[expect(unsafe_code, reason = "tasks write to chunks of their own")]
+            // SAFETY: every chunk belongs to one task.
+            let (to, labels) =
+                unsafe { (to_fields.range(chunk * fields, fields), &mut to_labels.range(chunk, 1)[0]) };
+            let mut from = [(usize::MAX, 0); CHUNK];
+            for lane in 0..CHUNK {
+                let (source, source_lane) = sources[chunk * CHUNK + lane];
+                // Padding repeats the chunk's first particle, without mass and volume.
+                from[lane] =
+                    if source == u32::MAX { from[0] } else { (source as usize, source_lane as usize) };
+                labels[lane] = self.labels[from[lane].0][from[lane].1];
+            }
+            for field in 0..fields {
+                for lane in 0..CHUNK {
+                    let (source, source_lane) = from[lane];
+                    to[field][lane] = self.fields[source * fields + field][source_lane];
                 }
-            },
-        );
+            }
+            for lane in 0..CHUNK {
+                if sources[chunk * CHUNK + lane].0 == u32::MAX {
+                    to[Layout::<D>::MASS][lane] = T::zero();
+                    to[Layout::<D>::VOLUME][lane] = T::zero();
+                }
+            }
+        };
+        pool.run(chunks, LEAST_CHUNKS, || (), |(), chunk| gather_chunk(chunk));
     }
 
     /// Sets the accelerations of all lanes by `of` their ids; `false` where there is no room for any.
@@ -301,5 +293,36 @@ impl<T: Real, const D: usize> Particles<T, D> {
     /// Bytes in store.
     pub fn bytes(&self) -> usize {
         std::mem::size_of_val(&self.fields[..]) + std::mem::size_of_val(&self.labels[..])
+    }
+}
+
+/// The matrix of lanes whose entries begin at `field` of a chunk.
+#[inline(always)]
+pub(super) fn load_matrix<T: Real, V: Lanes<T>, const D: usize>(
+    chunk: &[[T; CHUNK]],
+    field: usize,
+    lane: usize,
+) -> LaneMatrix<V, D> {
+    let mut m = [[V::splat(T::zero()); D]; D];
+    for i in 0..D {
+        for j in 0..D {
+            m[i][j] = V::load(&chunk[field + i * D + j][lane..]);
+        }
+    }
+    m
+}
+
+/// Back to where [`load_matrix`] takes it from.
+#[inline(always)]
+pub(super) fn store_matrix<T: Real, V: Lanes<T>, const D: usize>(
+    m: &LaneMatrix<V, D>,
+    chunk: &mut [[T; CHUNK]],
+    field: usize,
+    lane: usize,
+) {
+    for i in 0..D {
+        for j in 0..D {
+            m[i][j].store(&mut chunk[field + i * D + j][lane..]);
+        }
     }
 }

@@ -18,20 +18,22 @@ impl Pool {
         Pool(rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok().map(Arc::new))
     }
 
-    /// Runs `task(scratch, 0..count)`; tasks that share a thread may share scratch memory, which must not show in what they do.
-    pub fn run<S>(
+    /// What `task(scratch, 0..count)` give, in this order; `least` tasks and more go to a thread at a time. Tasks that share a thread may
+    /// share scratch memory, which must not show in what they do.
+    pub fn run<S, R: Send>(
         &self,
         count: usize,
+        least: usize,
         scratch: impl Fn() -> S + Sync + Send,
-        task: impl Fn(&mut S, usize) + Sync + Send,
-    ) {
+        task: impl Fn(&mut S, usize) -> R + Sync + Send,
+    ) -> Vec<R> {
         match &self.0 {
-            Some(pool) if count > 1 => {
-                pool.install(|| (0..count).into_par_iter().for_each_init(&scratch, &task));
-            }
+            Some(pool) if count > least => pool.install(|| {
+                (0..count).into_par_iter().with_min_len(least).map_init(&scratch, &task).collect()
+            }),
             _ => {
                 let mut scratch = scratch();
-                (0..count).for_each(|number| task(&mut scratch, number));
+                (0..count).map(|number| task(&mut scratch, number)).collect()
             }
         }
     }
