@@ -290,6 +290,15 @@ fn bounds_on_the_plastic_ratio_hold_and_are_reported() {
     assert_near(free.plastic_ratio, (0.95f64 / 0.975).powi(2), 1e-14, "J_P inside its bounds");
 }
 
+#[test]
+fn hardening_has_a_limit_where_it_is_given_one() {
+    let limited = Snow { hardening_limit: 8.0, ..snow::<f64>() };
+    let factor = |ratio: f64| ConstitutiveModel::<f64, 2>::hardening(&limited, ratio);
+    assert_near(factor(0.9), 1.0_f64.exp(), 1e-14, "below the limit it is S13's");
+    assert_eq!(factor(0.5), 8.0);
+    assert!(factor(1.2) < 1.0, "what has opened softens as ever");
+}
+
 /// The bound that the time step uses must not lie below the true largest eigenvalue of d2Psi/dF2 contracted with F, here taken
 /// by differences of tau along random directions: |d tau| <= modulus |G| for F' = (I + G) F, stress-free part aside.
 #[test]

@@ -68,6 +68,7 @@ pub fn snow<T: Real>() -> Snow<T> {
         critical_stretch: T::of(7.5e-3),
         hardening: T::of(10.0),
         plastic_ratio_bounds: (T::zero(), T::of(f64::INFINITY)),
+        hardening_limit: T::of(f64::INFINITY),
     }
 }
 

@@ -79,6 +79,9 @@ fn spacing_gravity_and_materials() {
     for value in [1.0, 0.5, NAN] {
         refused("upper bound of J_P", with_snow(|m| m.plastic_ratio_bounds.1 = value));
     }
+    for value in [0.9, -1.0, NAN] {
+        refused("limit of hardening", with_snow(|m| m.hardening_limit = value));
+    }
     // The second of two materials is looked at too.
     refused("hardening", |s| s.materials.push(Material::Snow(Snow { hardening: NAN, ..snow() })));
 }

@@ -68,6 +68,13 @@ pub enum Engine {
     Fast,
 }
 
+impl Engine {
+    /// Whether a scene that asks for it gets it on this CPU.
+    pub fn is_available(self) -> bool {
+        self == Engine::Reference || crate::fast::is_available()
+    }
+}
+
 /// Which velocity moves a particle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Advection {
@@ -234,6 +241,8 @@ fn validate_material<T: Real, const D: usize>(material: &Material<T>) -> Result<
         let (lower, upper) = snow.plastic_ratio_bounds;
         require(lower >= T::zero() && lower < T::one(), "lower bound of J_P", lower.as_f64(), "in [0, 1)")?;
         require(upper > T::one(), "upper bound of J_P", upper.as_f64(), "> 1")?;
+        let limit = snow.hardening_limit;
+        require(limit >= T::one(), "limit of hardening", limit.as_f64(), ">= 1")?;
     }
     Ok(())
 }

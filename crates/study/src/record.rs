@@ -70,10 +70,10 @@ pub struct HistoryRow {
     pub potential: f64,
     /// Lost to plastic flow so far.
     pub plastic_loss: f64,
-    /// Lost between particles and grid so far, both ways.
-    pub transfer_loss: f64,
-    /// Lost in contacts so far.
-    pub contact_loss: f64,
+    /// Lost between particles and grid so far, both ways, where it is booked.
+    pub transfer_loss: Option<f64>,
+    /// Lost in contacts so far, where it is booked.
+    pub contact_loss: Option<f64>,
     /// Work of obstacles so far.
     pub collider_work: f64,
     /// Impulse on each obstacle so far [kg m/s], by axis.
@@ -86,6 +86,8 @@ impl HistoryRow {
         let state = simulation.state();
         let now = energies(simulation.scene(), state);
         let ledger = &state.ledger;
+        let budget = simulation.scene().energy_budget;
+        let booked = |loss: f64| budget.then_some(loss);
         HistoryRow {
             time: state.time,
             steps: state.steps,
@@ -93,8 +95,8 @@ impl HistoryRow {
             elastic: now.elastic,
             potential: now.potential,
             plastic_loss: ledger.plastic_loss,
-            transfer_loss: ledger.particles_to_grid_loss + ledger.grid_to_particles_loss,
-            contact_loss: ledger.colliders.iter().map(|c| c.loss).sum(),
+            transfer_loss: booked(ledger.particles_to_grid_loss + ledger.grid_to_particles_loss),
+            contact_loss: booked(ledger.colliders.iter().map(|c| c.loss).sum()),
             collider_work: ledger.collider_work(),
             impulses: ledger.colliders.iter().map(|c| c.impulse.iter().copied().collect()).collect(),
         }

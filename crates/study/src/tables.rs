@@ -214,9 +214,9 @@ pub fn case_row(result: &CaseResult) -> Row {
             "transfer_loss",
             "J/m or J",
             "energy lost between particles and grid",
-            last.map(|h| h.transfer_loss),
+            last.and_then(|h| h.transfer_loss),
         )
-        .put("contact_loss", "J/m or J", "energy lost in contacts", last.map(|h| h.contact_loss))
+        .put("contact_loss", "J/m or J", "energy lost in contacts", last.and_then(|h| h.contact_loss))
         .put(
             "impulse",
             "kg/s or kg m/s",
@@ -323,8 +323,8 @@ pub fn energies(row: &mut Row, ledger: &HistoryRow) {
         .number("elastic", "J/m or J", "elastic energy", ledger.elastic)
         .number("potential", "J/m or J", "potential energy", ledger.potential)
         .number("plastic_loss", "J/m or J", "lost to plastic flow so far", ledger.plastic_loss)
-        .number("transfer_loss", "J/m or J", "lost between particles and grid so far", ledger.transfer_loss)
-        .number("contact_loss", "J/m or J", "lost in contacts so far", ledger.contact_loss);
+        .put("transfer_loss", "J/m or J", "lost between particles and grid so far", ledger.transfer_loss)
+        .put("contact_loss", "J/m or J", "lost in contacts so far", ledger.contact_loss);
 }
 
 /// `summary`: one row an arm (and point of the sweep) and endpoint, over the cases that can be used.

@@ -17,7 +17,7 @@ output = { frame_interval = 0.01, end = 0.05 }
 region = { kind = "ball", centre = [0.0, 0.3], radius = 0.25 }
 placement = { kind = "jittered", count = 50, angle = 10.0 }
 voids = { kind = "circles", porosity = 0.1, mean_radius = 0.1, radius_spread = 0.1, irregularity = 0.1, aspect = 2.0, angle = 1.0, gap = 0.1, judged_at = 0.1 }
-material = { kind = "snow", density = 400.0, young = 1e5, poisson = 0.2, critical_compression = 0.1, critical_stretch = 0.1, hardening = 10.0 }
+material = { kind = "snow", density = 400.0, young = 1e5, poisson = 0.2, critical_compression = 0.1, critical_stretch = 0.1, hardening = 10.0, hardening_limit = 64.0 }
 velocity = [0.0, 1.0]
 spin = [1.0]
 phase_shift = 0.1

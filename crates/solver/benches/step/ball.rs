@@ -85,6 +85,7 @@ impl Ball {
                 critical_stretch: T::of(7.5e-3),
                 hardening: T::of(10.0),
                 plastic_ratio_bounds: (T::zero(), T::of(f64::INFINITY)),
+                hardening_limit: T::of(f64::INFINITY),
             })],
             colliders: vec![Collider {
                 shape: Shape::HalfSpace {

@@ -8,6 +8,11 @@ use crate::scene::Scene;
 use crate::state::State;
 use crate::watchdog::StoredEnergy;
 
+/// It has not.
+pub(crate) fn is_available() -> bool {
+    false
+}
+
 /// Numbers of any kind.
 pub trait HasRegisters {}
 impl<T> HasRegisters for T {}

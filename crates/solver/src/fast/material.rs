@@ -17,6 +17,7 @@ pub(super) struct ChunkMaterial<T> {
     greatest: [T; CHUNK],
     hardening: [T; CHUNK],
     ratio: [[T; CHUNK]; 2],
+    limit: [T; CHUNK],
     /// Bits of the lanes that can flow, and of those whose modulus grows with stretch.
     pub flows: u32,
     pub stiffens: u32,
@@ -29,7 +30,7 @@ pub(super) struct MaterialNumbers<T> {
     whole: ChunkMaterial<T>,
     lame: Lame<T>,
     wave_modulus: T,
-    surface: [T; 5],
+    surface: [T; 6],
     flows: bool,
     stiffens: bool,
 }
@@ -40,13 +41,14 @@ impl<T: Real> MaterialNumbers<T> {
         let (surface, flows, stiffens) = match material {
             Material::Snow(snow) => {
                 let (lower, upper) = snow.plastic_ratio_bounds;
-                // As in `Snow::wave_modulus`: infinite bounds are the greatest number here.
-                let upper = upper.min(T::max_value().unwrap_or(upper));
+                // Infinite bounds are the greatest number here.
+                let finite = |bound: T| bound.min(T::max_value().unwrap_or(bound));
+                let (least, greatest) = (-snow.critical_compression, snow.critical_stretch);
                 let surface =
-                    [-snow.critical_compression, snow.critical_stretch, snow.hardening, lower, upper];
+                    [least, greatest, snow.hardening, lower, finite(upper), finite(snow.hardening_limit)];
                 (surface, true, !snow.stretch_is_covered())
             }
-            Material::Elastic(_) => ([T::zero(); 5], false, true),
+            Material::Elastic(_) => ([T::zero(); 6], false, true),
         };
         let (wave_modulus, whole) = (lame.wave_modulus::<D>(), ChunkMaterial::nothing());
         let mut numbers = MaterialNumbers { whole, lame, wave_modulus, surface, flows, stiffens };
@@ -68,6 +70,7 @@ impl<T: Real> ChunkMaterial<T> {
             greatest: zero,
             hardening: zero,
             ratio: [zero; 2],
+            limit: zero,
             flows: 0,
             stiffens: 0,
         }
@@ -76,9 +79,9 @@ impl<T: Real> ChunkMaterial<T> {
     fn put(&mut self, lane: usize, material: &MaterialNumbers<T>) {
         (self.mu[lane], self.lambda[lane]) = (material.lame.mu, material.lame.lambda);
         self.wave_modulus[lane] = material.wave_modulus;
-        let [least, greatest, hardening, lower, upper] = material.surface;
+        let [least, greatest, hardening, lower, upper, limit] = material.surface;
         (self.least[lane], self.greatest[lane], self.hardening[lane]) = (least, greatest, hardening);
-        (self.ratio[0][lane], self.ratio[1][lane]) = (lower, upper);
+        (self.ratio[0][lane], self.ratio[1][lane], self.limit[lane]) = (lower, upper, limit);
         self.flows |= u32::from(material.flows) << lane;
         self.stiffens |= u32::from(material.stiffens) << lane;
     }
@@ -118,6 +121,7 @@ impl<T: Real> ChunkMaterial<T> {
             greatest: V::load(&self.greatest[lane..]),
             hardening: V::load(&self.hardening[lane..]),
             ratio: [V::load(&self.ratio[0][lane..]), V::load(&self.ratio[1][lane..])],
+            limit: V::load(&self.limit[lane..]),
         }
     }
 }

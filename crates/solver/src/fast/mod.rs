@@ -31,3 +31,8 @@ mod x86;
 
 pub use dispatch::HasRegisters;
 pub(crate) use step::{Fast, Saved};
+
+/// Whether the CPU has what the engine takes.
+pub(crate) fn is_available() -> bool {
+    dispatch::Set::widest().is_some()
+}

@@ -25,6 +25,8 @@ pub(super) struct YieldSurface<V> {
     pub hardening: V,
     /// Bounds on J_P.
     pub ratio: [V; 2],
+    /// The greatest factor that hardening has.
+    pub limit: V,
 }
 
 /// E = F F^T - I = H + H^T + H H^T.

@@ -301,7 +301,7 @@ fn flow_lanes<V: Lanes<T>, T: Real, const D: usize>(
         report.clamps += u64::from((met & particles).count_ones());
     }
     let scale = V::load(&chunk[Layout::<D>::SCALE][lane..]);
-    let hardened = scale * exponential::<T, V>(surface.hardening * (one - bounded));
+    let hardened = scale * exponential::<T, V>(surface.hardening * (one - bounded)).min(surface.limit);
     let volume = V::load(&chunk[Layout::<D>::VOLUME][lane..]);
     let released = (energies[0] * stiffness - energies[1] * hardened) * volume;
     V::select(mask, released, zero).store(&mut sums.plastic_loss[lane..]);

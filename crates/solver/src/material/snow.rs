@@ -24,6 +24,9 @@ pub struct Snow<T> {
     pub hardening: T,
     /// Bounds on the plastic volume ratio J_P; a run in which one takes effect is marked. (0, infinity) is S13's model.
     pub plastic_ratio_bounds: (T, T),
+    /// The greatest factor that hardening has on the Lame parameters, 1 or more; infinity is S13's model. A choice of the model for the sake
+    /// of the time step, which the stiffest particle sets (docs/performance.md).
+    pub hardening_limit: T,
 }
 
 impl<T: Real> Snow<T> {
@@ -47,7 +50,7 @@ impl<T: Real, const D: usize> ConstitutiveModel<T, D> for Snow<T> {
 
     #[inline]
     fn hardening(&self, plastic_ratio: T) -> T {
-        (self.hardening * (T::one() - plastic_ratio)).exponential()
+        (self.hardening * (T::one() - plastic_ratio)).exponential().min(self.hardening_limit)
     }
 
     /// s_i -> clamp(s_i, 1 - theta_c, 1 + theta_s), J_P <- J_P prod(s_i) / prod(clamped s_i) (S13 section 6.1.1; of F_P

@@ -35,7 +35,7 @@ pub(super) fn scene<T: Real, const D: usize>(
         colliders: colliders.map(|(k, c)| collider(c, k, origin, n.spacing)).collect::<Result<_, _>>()?,
         gravity: vector_or_zero::<D>(&spec.gravity, "gravity")?.map(T::of),
         time_step: time_step(n),
-        energy_budget: true,
+        energy_budget: n.energy_budget,
     })
 }
 
@@ -88,6 +88,7 @@ pub(super) fn material<T: Real>(spec: &MaterialSpec) -> Material<T> {
             critical_stretch,
             hardening,
             plastic_ratio_bounds,
+            hardening_limit,
             ..
         } => {
             let [lower, upper] = plastic_ratio_bounds.unwrap_or([0.0, f64::INFINITY]);
@@ -97,6 +98,7 @@ pub(super) fn material<T: Real>(spec: &MaterialSpec) -> Material<T> {
                 critical_stretch: T::of(critical_stretch),
                 hardening: T::of(hardening),
                 plastic_ratio_bounds: (T::of(lower), T::of(upper)),
+                hardening_limit: T::of(hardening_limit.unwrap_or(f64::INFINITY)),
             })
         }
     }

@@ -90,6 +90,7 @@ pub const RULES: &[Rule] = &[
     one("body.*.material.critical_compression", within(0.0, 1.0).open_below().open_above()),
     one("body.*.material.critical_stretch", POSITIVE),
     one("body.*.material.hardening", within(0.0, 100.0)),
+    one("body.*.material.hardening_limit", at_least(1.0)),
     maybe_vector("body.*.velocity", MOTION),
     Rule { key: "body.*.spin", length: Length::MaybeSpin, range: MOTION },
     one("body.*.phase_shift", within(0.0, 1e6)),

@@ -9,6 +9,7 @@ mod convergence;
 mod discs;
 mod dispersion;
 mod energy_budget;
+mod engines;
 mod evidence;
 mod incline;
 mod manufactured;
@@ -106,6 +107,12 @@ pub const EXPERIMENTS: &[Experiment] = &[
         title: "Where the energy of an impact goes",
         run: energy_budget::run,
         section: include_str!("pages/energy-budget.md.jinja"),
+    },
+    Experiment {
+        id: "engines",
+        title: "Two engines, one step",
+        run: engines::run,
+        section: include_str!("pages/engines.md.jinja"),
     },
     Experiment {
         id: "stability",

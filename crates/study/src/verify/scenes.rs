@@ -49,6 +49,7 @@ pub fn snow<T: Real>() -> Material<T> {
         critical_stretch: T::of(CRITICAL_STRETCH),
         hardening: T::of(HARDENING),
         plastic_ratio_bounds: (T::zero(), T::of(f64::INFINITY)),
+        hardening_limit: T::of(f64::INFINITY),
     })
 }
 

@@ -25,8 +25,9 @@ pub(super) fn energies(findings: Findings) -> anyhow::Result<Option<Titled>> {
                 part(|row| row.kinetic),
                 part(|row| row.elastic),
                 part(|row| row.plastic_loss),
-                part(|row| row.contact_loss),
-                part(|row| row.transfer_loss),
+                // What has not been booked is not drawn.
+                part(|row| row.contact_loss.unwrap_or(0.0)),
+                part(|row| row.transfer_loss.unwrap_or(0.0)),
             ];
             (findings.archive.study.label(&result.case.arm), time, parts)
         })

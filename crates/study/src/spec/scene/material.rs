@@ -29,6 +29,9 @@ pub enum MaterialSpec {
         /// Bounds on J_P; a run in which one takes effect is marked. None when left out.
         #[serde(default)]
         plastic_ratio_bounds: Option<[f64; 2]>,
+        /// The greatest factor that hardening has on the moduli. None when left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        hardening_limit: Option<f64>,
     },
     /// The same elastic law without a yield surface.
     Elastic {
@@ -54,6 +57,7 @@ impl Default for MaterialSpec {
             critical_stretch: defaults::critical_stretch(),
             hardening: defaults::hardening(),
             plastic_ratio_bounds: None,
+            hardening_limit: None,
         }
     }
 }

@@ -50,6 +50,9 @@ pub struct NumericsSpec {
     /// Whether the energy watchdog is on.
     #[serde(default = "defaults::yes")]
     pub watchdog: bool,
+    /// Whether the energy that transfers and contacts lose is booked.
+    #[serde(default = "defaults::yes", skip_serializing_if = "is_yes")]
+    pub energy_budget: bool,
     /// The run stops after so many steps.
     #[serde(default = "defaults::max_steps")]
     pub max_steps: u64,
@@ -71,6 +74,11 @@ names!(/** Engines. */ EngineName { Fast, Reference });
 names!(/** Velocities that can move particles. */ AdvectionName { Interpolated, Blended });
 names!(/** Rules for rest volumes. */ RestVolumeName { Uniform, Density });
 names!(/** Floating point types. */ PrecisionName { F64, F32 });
+
+/// Whether a switch is on; what is on by default is not written out, so that a case has the key it had before there was the switch.
+fn is_yes(switch: &bool) -> bool {
+    *switch
+}
 
 /// Defaults of keys that may be left out. The FLIP share: the study's definition (docs/experiment.md); the rest is the solver's.
 mod defaults {
