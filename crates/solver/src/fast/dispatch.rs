@@ -14,6 +14,7 @@ use super::scatter::{self, Terms};
 #[cfg(test)]
 use super::simd::Lanes;
 use super::simd::{CHUNK, InstructionSet};
+use super::sort;
 use super::update::{BlockReport, Update};
 use super::weights::LaneKernel;
 use crate::geometry::Vector;
@@ -120,6 +121,15 @@ for_each_set!(
     ) -> () = gather::gather_block
 );
 for_each_set!(
+    fn locate_by[T: Real, K: LaneKernel, const D: usize][T, K, D](
+        per_spacing: T,
+        layout: Layout<D>,
+        block: &Block<D>,
+        fields: &[[T; CHUNK]],
+        steps: &mut [[u16; CHUNK]],
+    ) -> () = sort::locate
+);
+for_each_set!(
     fn push[T: Real, const D: usize][T, D](
         push: &Push<T, D>,
         sums: &[Node<T>],
@@ -192,6 +202,8 @@ pub(super) struct Kernels<T: Real, const D: usize> {
         &mut Scratch<T>,
         &mut BlockReport<T, D>,
     ),
+    /// [`sort::locate`].
+    pub locate: fn(Set, &Scene<T, D>, Layout<D>, &Block<D>, &[[T; CHUNK]], &mut [[u16; CHUNK]]),
     /// [`nodes::push_nodes`].
     pub push_nodes:
         fn(Set, &Push<T, D>, &[Node<T>], &[Node<T>], &mut [Node<T>], &mut [Node<T>]) -> NodeEnergies,
@@ -214,6 +226,7 @@ impl<T: Real, const D: usize> Kernels<T, D> {
         Kernels {
             scatter_block: scatter_block::<T, D>,
             gather_block: gather_block::<T, D>,
+            locate: locate::<T, D>,
             push_nodes: push::<T, D>,
             kinetic_energy: kinetic::<T, D>,
             stored_energy: energy::<T, D>,
@@ -255,4 +268,19 @@ fn gather_block<T: Real, const D: usize>(
     report: &mut BlockReport<T, D>,
 ) {
     for_kernel_and_terms!(update.scene, gather, set, update, layout, block, fields, labels, scratch, report)
+}
+
+fn locate<T: Real, const D: usize>(
+    set: Set,
+    scene: &Scene<T, D>,
+    layout: Layout<D>,
+    block: &Block<D>,
+    fields: &[[T; CHUNK]],
+    steps: &mut [[u16; CHUNK]],
+) {
+    let per_spacing = T::one() / scene.spacing;
+    match scene.kernel {
+        KernelKind::Cubic => locate_by::<T, Cubic, D>(set, per_spacing, layout, block, fields, steps),
+        KernelKind::Quadratic => locate_by::<T, Quadratic, D>(set, per_spacing, layout, block, fields, steps),
+    }
 }

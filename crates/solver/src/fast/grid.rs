@@ -20,7 +20,7 @@ pub(crate) type Node<T> = [T; CHANNELS];
 /// Nodes of a block.
 pub(crate) const BLOCK_NODES: usize = 64;
 /// Blocks around a block, itself included, in 3D.
-const NEIGHBOURS: usize = 27;
+pub(crate) const NEIGHBOURS: usize = 27;
 /// How many cells a particle may move on an axis, either way, before it is sorted anew.
 const DRIFT: usize = 1;
 
@@ -60,8 +60,19 @@ pub(crate) struct BlockGrid<T: Real, const D: usize> {
     pub change: Vec<Node<T>>,
     /// For each block of particles the blocks from -1 to +1 on each axis, the last axis fastest.
     neighbours: Vec<[u32; NEIGHBOURS]>,
-    /// Blocks of particles whose tiles have no node in common, in the order in which their tiles are added up.
-    pub colours: Vec<Vec<u32>>,
+    /// The blocks of particles in the order in which their tiles are added up: colour by colour, a colour being blocks whose tiles have no
+    /// node in common. Each with the place in this order at which its colour begins.
+    pub order: Vec<Turn>,
+    /// Whether particles have added to nodes since they were emptied.
+    pub used: bool,
+}
+
+/// A block of particles whose tile is to be added to the grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Turn {
+    pub home: u32,
+    /// How many must have been added before it.
+    pub after: u32,
 }
 
 impl<T: Real, const D: usize> BlockGrid<T, D> {
@@ -84,8 +95,7 @@ impl<T: Real, const D: usize> BlockGrid<T, D> {
         }
         self.neighbours.clear();
         let period = colours_along_an_axis::<D>();
-        self.colours.clear();
-        self.colours.resize((period as usize).pow(D as u32), Vec::new());
+        let mut colours = vec![Vec::new(); (period as usize).pow(D as u32)];
         for (number, home) in homes.iter().enumerate() {
             let mut around = [0; NEIGHBOURS];
             for (k, place) in around.iter_mut().enumerate().take(3_usize.pow(D as u32)) {
@@ -93,9 +103,13 @@ impl<T: Real, const D: usize> BlockGrid<T, D> {
             }
             self.neighbours.push(around);
             let colour = home.corner.iter().fold(0, |c, n| c * period + n.rem_euclid(period));
-            self.colours[colour as usize].push(number as u32);
+            colours[colour as usize].push(number as u32);
         }
-        self.colours.retain(|blocks| !blocks.is_empty());
+        self.order.clear();
+        for colour in colours {
+            let after = self.order.len() as u32;
+            self.order.extend(colour.into_iter().map(|home| Turn { home, after }));
+        }
     }
 
     /// Makes room for the nodes of all blocks; `apart` if forces and changes of velocity have room of their own.
@@ -120,22 +134,27 @@ impl<T: Real, const D: usize> BlockGrid<T, D> {
         self.corners[block].map(|n| n * block_edge::<D>())
     }
 
-    /// Empties what particles add to.
-    pub fn clear(&mut self, apart: bool, pool: &Pool) {
+    /// Empties what particles add to, where it is not empty.
+    pub fn clear(&mut self, pool: &Pool) {
+        if !std::mem::replace(&mut self.used, true) {
+            return;
+        }
         // chosen: tasks of 64 kB and more.
         const LEAST_BLOCKS: usize = 64;
-        let blocks = self.blocks();
+        let (blocks, blocks_of_forces) = (self.blocks(), self.forces.len() / BLOCK_NODES);
         let (sums, forces) = (Shared::new(&mut self.sums), Shared::new(&mut self.forces));
         pool.run(
-            blocks,
+            blocks.max(blocks_of_forces),
             LEAST_BLOCKS,
             || (),
             |(), block| {
                 #[expect(unsafe_code, reason = "tasks write to nodes of their own")]
                 // SAFETY: every block belongs to one task.
                 unsafe {
-                    sums.range(block * BLOCK_NODES, BLOCK_NODES).fill([T::zero(); CHANNELS]);
-                    if apart {
+                    if block < blocks {
+                        sums.range(block * BLOCK_NODES, BLOCK_NODES).fill([T::zero(); CHANNELS]);
+                    }
+                    if block < blocks_of_forces {
                         forces.range(block * BLOCK_NODES, BLOCK_NODES).fill([T::zero(); CHANNELS]);
                     }
                 }
@@ -182,7 +201,7 @@ impl<T: Real, const D: usize> BlockGrid<T, D> {
 }
 
 /// Block `number` of the 3^D round `corner`, the last axis fastest.
-fn neighbour<const D: usize>(corner: [i32; D], number: usize) -> [i32; D] {
+pub(crate) fn neighbour<const D: usize>(corner: [i32; D], number: usize) -> [i32; D] {
     let mut place = corner;
     let mut rest = number;
     for axis in (0..D).rev() {

@@ -1,7 +1,7 @@
 //! The fast engine: the same step, over 16 particles, or four nodes of a row, at a time, on all threads.
 //!
 //! The plain stages beside this folder are the definition; the tests hold this engine against them. A step is `step.rs`, its stages over all
-//! blocks are `stages.rs`. Particles (`particles.rs`) lie by blocks of the grid (`grid.rs`); a block gives to its nodes (`scatter.rs`) and is
+//! blocks are `stages.rs`. Particles (`particles.rs`) lie, sorted (`sort.rs`), by blocks of the grid (`grid.rs`); a block gives to its nodes (`scatter.rs`) and is
 //! told by them (`gather.rs`) through a tile that fits the first-level cache, a batch of particles at a time (`batch.rs`), then moves on
 //! (`update.rs`). Stress and flow are in `strain.rs`. Every kernel is written once, over the vectors of `simd.rs`, and compiled for AVX2 and
 //! AVX-512 (`x86/`, `dispatch.rs`); results have the same bits with both, and with any number of threads, because the order of all sums is
@@ -20,6 +20,7 @@ mod particles;
 mod pool;
 mod scatter;
 mod simd;
+mod sort;
 mod stages;
 mod step;
 mod strain;

@@ -23,6 +23,8 @@ pub(super) struct Push<T: Real, const D: usize> {
 pub(super) struct NodeEnergies {
     /// Kinetic energy after particles to grid [J].
     pub before: f64,
+    /// Kinetic energy at the end of the step, where it is asked for [J].
+    pub after: f64,
     /// Mass on nodes that counted as empty [kg].
     pub dropped_mass: f64,
 }

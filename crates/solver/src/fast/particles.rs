@@ -1,10 +1,6 @@
 //! The particles as the fast engine keeps them: by blocks of the grid, each block in chunks of 16, each chunk field by field. What fills
 //! up the last chunk of a block has neither mass nor volume.
 
-use std::collections::HashMap;
-
-use super::grid::{BlockHash, block_edge};
-use super::pool::{Pool, Shared};
 use super::simd::{CHUNK, Lanes};
 use super::strain::Matrix as LaneMatrix;
 use crate::geometry::{Matrix, Vector};
@@ -12,7 +8,6 @@ use crate::particles::{ParticleConstants, ParticleMotion};
 use crate::real::Real;
 use crate::scene::Scene;
 use crate::state::State;
-use crate::transfer::first_node;
 
 /// Where the fields of a chunk begin, in units of [`CHUNK`] numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -87,6 +82,8 @@ pub(crate) struct Particles<T: Real, const D: usize> {
     pub fields: Vec<[T; CHUNK]>,
     pub labels: Vec<[Label; CHUNK]>,
     pub blocks: Vec<Block<D>>,
+    /// Whether all particles are in their block or one next to it.
+    pub placed: bool,
 }
 
 impl<T: Real, const D: usize> Particles<T, D> {
@@ -131,7 +128,8 @@ impl<T: Real, const D: usize> Particles<T, D> {
         particles
     }
 
-    fn resize(&mut self, chunks: usize) {
+    /// Makes room for so many chunks.
+    pub fn resize(&mut self, chunks: usize) {
         self.fields.resize(chunks * self.layout.fields(), [T::zero(); CHUNK]);
         self.labels.resize(chunks, [Label::default(); CHUNK]);
     }
@@ -142,7 +140,7 @@ impl<T: Real, const D: usize> Particles<T, D> {
     }
 
     /// Chunk and lane of every particle, in order of storage.
-    fn places(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+    pub fn places(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         self.blocks
             .iter()
             .flat_map(|block| (0..block.particles).map(|p| (block.first_chunk + p / CHUNK, p % CHUNK)))
@@ -180,99 +178,6 @@ impl<T: Real, const D: usize> Particles<T, D> {
             }
         }
         (state.motion, state.constants, state.body_acceleration) = (motion, constants, forces);
-    }
-
-    /// Writes to `into` the same particles sorted by the block and, within it, by the node in which their stencils begin; stably, so
-    /// that the order depends on positions and the previous order alone.
-    pub fn sort(&self, scene: &Scene<T, D>, into: &mut Self, pool: &Pool) {
-        let edge = block_edge::<D>();
-        let nodes = edge.pow(D as u32) as usize;
-        let mut directory = HashMap::<[i32; D], u32, BlockHash>::default();
-        let mut corners: Vec<[i32; D]> = Vec::new();
-        let mut latest = ([i32::MAX; D], 0);
-        let mut homes: Vec<(u32, u32)> = Vec::with_capacity(self.len());
-        let per_spacing = T::one() / scene.spacing;
-        let fields = self.layout.fields();
-        for (chunk, lane) in self.places() {
-            let x = Vector::<T, D>::from_fn(|i, _| self.fields[chunk * fields + i][lane]);
-            let node = first_node(scene.kernel, &x, per_spacing);
-            let corner = node.map(|n| n.div_euclid(edge));
-            if corner != latest.0 {
-                let next = corners.len() as u32;
-                let number = *directory.entry(corner).or_insert(next);
-                if number == next {
-                    corners.push(corner);
-                }
-                latest = (corner, number);
-            }
-            let local = node.iter().fold(0, |local, n| local * edge + n.rem_euclid(edge));
-            homes.push((latest.1, local as u32));
-        }
-        // Blocks in the order of their coordinates; then a counting sort.
-        let mut order: Vec<u32> = (0..corners.len() as u32).collect();
-        order.sort_unstable_by_key(|&b| corners[b as usize]);
-        let mut cursors = vec![0_u32; corners.len() * nodes];
-        for &(block, local) in &homes {
-            cursors[block as usize * nodes + local as usize] += 1;
-        }
-        into.layout = self.layout;
-        into.blocks.clear();
-        let mut chunk = 0;
-        for &b in &order {
-            let first = (chunk * CHUNK) as u32;
-            let mut next = first;
-            for cursor in &mut cursors[b as usize * nodes..][..nodes] {
-                next += std::mem::replace(cursor, next);
-            }
-            let particles = (next - first) as usize;
-            let block = Block { corner: corners[b as usize], first_chunk: chunk, particles };
-            chunk += block.chunks();
-            into.blocks.push(block);
-        }
-        into.resize(chunk);
-        let mut sources = vec![(u32::MAX, 0_u8); chunk * CHUNK];
-        for (&(block, local), (chunk, lane)) in homes.iter().zip(self.places()) {
-            let cursor = &mut cursors[block as usize * nodes + local as usize];
-            sources[*cursor as usize] = (chunk as u32, lane as u8);
-            *cursor += 1;
-        }
-        self.gather(&sources, into, pool);
-    }
-
-    /// Copies the particles at `sources` (chunk and lane) to `into`, chunk by chunk.
-    fn gather(&self, sources: &[(u32, u8)], into: &mut Self, pool: &Pool) {
-        let fields = self.layout.fields();
-        let chunks = into.labels.len();
-        let (to_fields, to_labels) = (Shared::new(&mut into.fields), Shared::new(&mut into.labels));
-        // chosen: tasks of 256 particles, long beside the cost of handing one out.
-        const LEAST_CHUNKS: usize = 16;
-        let gather_chunk = |chunk: usize| {
-            #[expect(unsafe_code, reason = "tasks write to chunks of their own")]
-            // SAFETY: every chunk belongs to one task.
-            let (to, labels) =
-                unsafe { (to_fields.range(chunk * fields, fields), &mut to_labels.range(chunk, 1)[0]) };
-            let mut from = [(usize::MAX, 0); CHUNK];
-            for lane in 0..CHUNK {
-                let (source, source_lane) = sources[chunk * CHUNK + lane];
-                // Padding repeats the chunk's first particle, without mass and volume.
-                from[lane] =
-                    if source == u32::MAX { from[0] } else { (source as usize, source_lane as usize) };
-                labels[lane] = self.labels[from[lane].0][from[lane].1];
-            }
-            for field in 0..fields {
-                for lane in 0..CHUNK {
-                    let (source, source_lane) = from[lane];
-                    to[field][lane] = self.fields[source * fields + field][source_lane];
-                }
-            }
-            for lane in 0..CHUNK {
-                if sources[chunk * CHUNK + lane].0 == u32::MAX {
-                    to[Layout::<D>::MASS][lane] = T::zero();
-                    to[Layout::<D>::VOLUME][lane] = T::zero();
-                }
-            }
-        };
-        pool.run(chunks, LEAST_CHUNKS, || (), |(), chunk| gather_chunk(chunk));
     }
 
     /// Sets the accelerations of all lanes by `of` their ids; `false` where there is no room for any.

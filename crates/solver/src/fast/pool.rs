@@ -2,6 +2,7 @@
 
 use std::marker::PhantomData;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
@@ -16,6 +17,14 @@ impl Pool {
             return Pool(None);
         }
         Pool(rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok().map(Arc::new))
+    }
+
+    /// `job` on one of the threads, whose parallel parts then need not wake the pool up each time.
+    pub fn enter<R: Send>(&self, job: impl FnOnce() -> R + Send) -> R {
+        match &self.0 {
+            Some(pool) => pool.install(job),
+            None => job(),
+        }
     }
 
     /// What `task(scratch, 0..count)` give, in this order; `least` tasks and more go to a thread at a time. Tasks that share a thread may
@@ -35,6 +44,69 @@ impl Pool {
                 let mut scratch = scratch();
                 (0..count).map(|number| task(&mut scratch, number)).collect()
             }
+        }
+    }
+}
+
+impl Pool {
+    /// Runs `work(scratch, k)` and then `commit(scratch, k)` for all k below `count`. Work is done side by side; the commit of k begins when
+    /// `turn(k)` commits have ended, which must be those of the numbers below `turn(k)`: turn(k) <= k, and it never falls as k grows.
+    pub fn run_in_turns<S>(
+        &self,
+        count: usize,
+        turn: impl Fn(usize) -> usize + Sync,
+        scratch: impl Fn() -> S + Sync,
+        work: impl Fn(&mut S, usize) + Sync,
+        commit: impl Fn(&mut S, usize) + Sync,
+    ) {
+        let Some(pool) = self.0.as_ref().filter(|_| count > 1) else {
+            let mut scratch = scratch();
+            for k in 0..count {
+                work(&mut scratch, k);
+                commit(&mut scratch, k);
+            }
+            return;
+        };
+        // Numbers are handed out in order, so that whoever waits waits for a thread that is at work. No commit of a turn begins before all
+        // of the turns before have ended: their count says which have.
+        let (next, committed) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        pool.broadcast(|_| {
+            let mut scratch = scratch();
+            loop {
+                let k = next.fetch_add(1, Ordering::Relaxed);
+                if k >= count {
+                    return;
+                }
+                // Counts k also where a task panics: the others would wait for ever.
+                let _counted = Counted(&committed);
+                work(&mut scratch, k);
+                wait_for(&committed, turn(k));
+                commit(&mut scratch, k);
+            }
+        });
+    }
+}
+
+/// Adds one when dropped.
+struct Counted<'a>(&'a AtomicUsize);
+
+impl Drop for Counted<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_add(1, Ordering::Release);
+    }
+}
+
+/// Waits, at first without giving the core away, until `count` is `least` or more.
+fn wait_for(count: &AtomicUsize, least: usize) {
+    // chosen: some microseconds, about as long as it takes to be scheduled again.
+    const SPINS: usize = 1000;
+    let mut spins = 0;
+    while count.load(Ordering::Acquire) < least {
+        if spins < SPINS {
+            spins += 1;
+            std::hint::spin_loop();
+        } else {
+            std::thread::yield_now();
         }
     }
 }

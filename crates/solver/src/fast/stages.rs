@@ -2,11 +2,12 @@
 
 use super::batch::Scratch;
 use super::contact::{is_near, surroundings};
-use super::grid::{BLOCK_NODES, add_run, block_edge, copy_run};
+use super::grid::{BLOCK_NODES, BlockGrid, add_run, block_edge, copy_run};
 use super::nodes::{NodeEnergies, Push, collide_nodes};
 use super::particles::Particles;
 use super::pool::Shared;
 use super::scatter::Terms;
+use super::simd::CHANNELS;
 use super::step::Fast;
 use super::update::{BlockReport, Update};
 use crate::collision::{Contact, Interval};
@@ -21,11 +22,11 @@ use crate::watchdog::StoredEnergy;
 const LEAST_BLOCKS: usize = 16;
 
 impl<T: Real, const D: usize> Fast<T, D> {
-    /// Stages 1 and 2. Blocks whose tiles have no node in common go side by side, so that every node adds up in the same order however many
-    /// threads there are.
+    /// Stages 1 and 2. The tiles of blocks are added up colour by colour, so that every node adds up in the same order however many threads
+    /// there are.
     pub(super) fn particles_to_grid(&mut self, scene: &Scene<T, D>, dt: T, apart: bool) {
         self.grid.make_room(apart);
-        self.grid.clear(apart, &self.pool);
+        self.grid.clear(&self.pool);
         let terms = Terms {
             spacing: scene.spacing,
             dt,
@@ -36,28 +37,31 @@ impl<T: Real, const D: usize> Fast<T, D> {
             (std::mem::take(&mut self.grid.sums), std::mem::take(&mut self.grid.forces));
         let (shared_sums, shared_forces) = (Shared::new(&mut sums), Shared::new(&mut forces));
         let Fast { set, kernels, particles, materials, grid, .. } = &*self;
-        for colour in &grid.colours {
-            self.pool.run(colour.len(), 1, Scratch::new::<D>, |scratch, number| {
-                let home = colour[number] as usize;
-                (kernels.scatter_block)(*set, scene, particles, materials, home, &terms, scratch);
-                #[expect(
-                    unsafe_code,
-                    reason = "tiles are added to nodes that other threads add to at other times"
-                )]
-                grid.for_tile_runs(home, &mut |tile, node, count| {
-                    // SAFETY: the tiles of a colour have no node in common.
-                    unsafe { add_run(&scratch.tile, tile, shared_sums.range(node, count)) };
-                    if apart {
-                        // SAFETY: as above.
-                        unsafe { add_run(&scratch.second_tile, tile, shared_forces.range(node, count)) };
-                    }
-                });
+        let scatter = |scratch: &mut Scratch<T>, number: usize| {
+            let home = grid.order[number].home as usize;
+            (kernels.scatter_block)(*set, scene, particles, materials, home, &terms, scratch);
+        };
+        let add = |scratch: &mut Scratch<T>, number: usize| {
+            #[expect(
+                unsafe_code,
+                reason = "tiles are added to nodes that other threads add to at other times"
+            )]
+            grid.for_tile_runs(grid.order[number].home as usize, &mut |tile, node, count| {
+                // SAFETY: only tiles of one colour are added at the same time, which have no node in common.
+                unsafe { add_run(&scratch.tile, tile, shared_sums.range(node, count)) };
+                if apart {
+                    // SAFETY: as above.
+                    unsafe { add_run(&scratch.second_tile, tile, shared_forces.range(node, count)) };
+                }
             });
-        }
+        };
+        let turn = |number: usize| grid.order[number].after as usize;
+        self.pool.run_in_turns(grid.order.len(), turn, Scratch::new::<D>, scatter, add);
         (self.grid.sums, self.grid.forces) = (sums, forces);
     }
 
-    /// Stages 3 to 5 but for mirrors; without contact where there is no `time` to look for obstacles at.
+    /// Stages 3 to 5 but for mirrors; without contact where there is no `time` to look for obstacles at. Empties the nodes for the next
+    /// step where nobody needs them any more.
     pub(super) fn push_nodes(
         &mut self,
         scene: &Scene<T, D>,
@@ -67,32 +71,50 @@ impl<T: Real, const D: usize> Fast<T, D> {
         ledger: &mut StepLedger<D>,
     ) {
         let push = Push { gravity: scene.gravity, dt, empty: self.empty, apart };
+        let is_last = time.is_some() && self.mirrors.is_empty();
         let time = time.filter(|_| scene.colliders.iter().any(|c| c.contact != Contact::Mirror));
-        let mut motion = std::mem::take(&mut self.grid.motion);
-        let mut change = std::mem::take(&mut self.grid.change);
+        let BlockGrid { sums, forces, motion, change, .. } = &mut self.grid;
+        let (mut sums, mut forces) = (std::mem::take(sums), std::mem::take(forces));
+        let (mut motion, mut change) = (std::mem::take(motion), std::mem::take(change));
+        let (shared_sums, shared_forces) = (Shared::new(&mut sums), Shared::new(&mut forces));
         let (shared_motion, shared_change) = (Shared::new(&mut motion), Shared::new(&mut change));
         let Fast { set, kernels, grid, .. } = &*self;
         let push_block = |block: usize| -> (NodeEnergies, Option<StepLedger<D>>) {
-            let nodes = block * BLOCK_NODES..(block + 1) * BLOCK_NODES;
-            let (first_force, forces) = if apart { (nodes.start, BLOCK_NODES) } else { (0, 0) };
-            let (first_change, changes) = if apart && D == 3 { (nodes.start, BLOCK_NODES) } else { (0, 0) };
+            let first = block * BLOCK_NODES;
+            let nodes_if = |kept: bool| if kept { (first, BLOCK_NODES) } else { (0, 0) };
+            let ((first_force, forces), (first_change, changes)) =
+                (nodes_if(apart), nodes_if(apart && D == 3));
             #[expect(unsafe_code, reason = "tasks write to blocks of their own")]
             // SAFETY: every block belongs to one task.
-            let (motion, change) = unsafe {
-                (shared_motion.range(nodes.start, BLOCK_NODES), shared_change.range(first_change, changes))
+            let (sums, forces, motion, change) = unsafe {
+                (
+                    shared_sums.range(first, BLOCK_NODES),
+                    shared_forces.range(first_force, forces),
+                    shared_motion.range(first, BLOCK_NODES),
+                    shared_change.range(first_change, changes),
+                )
             };
-            let (sums, forces) = (&grid.sums[nodes], &grid.forces[first_force..first_force + forces]);
-            let energies = (kernels.push_nodes)(*set, &push, sums, forces, motion, change);
+            let mut energies = (kernels.push_nodes)(*set, &push, sums, forces, motion, change);
             let corner = grid.first_node(block);
             let contact = time
                 .filter(|&time| is_near(&scene.colliders, &surroundings(corner, scene.spacing), time))
                 .map(|time| collide_nodes(scene, &push, corner, sums, motion, change, time));
+            if is_last {
+                if apart {
+                    energies.after = (kernels.kinetic_energy)(*set, sums, motion);
+                }
+                sums.fill([T::zero(); CHANNELS]);
+                forces.fill([T::zero(); CHANNELS]);
+            }
             (energies, contact)
         };
         let reports = self.pool.run(grid.blocks(), LEAST_BLOCKS, || (), |(), block| push_block(block));
-        (self.grid.motion, self.grid.change) = (motion, change);
+        let grid = &mut self.grid;
+        (grid.sums, grid.forces, grid.motion, grid.change) = (sums, forces, motion, change);
+        grid.used = !is_last;
         for (energies, contact) in &reports {
             ledger.kinetic_grid_before += energies.before;
+            ledger.kinetic_grid_after += energies.after;
             ledger.dropped_mass += energies.dropped_mass;
             if let Some(contact) = contact {
                 ledger.add_contact(contact);
@@ -121,7 +143,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
         let inverse_inertia = T::of(scene.kernel.inverse_inertia());
         let update = Update { scene, materials: &self.materials, share, inverse_inertia, interval };
         let copies_change = share.is_some() && D == 3;
-        let Particles { layout, fields, labels, blocks } = &mut self.particles;
+        let Particles { layout, fields, labels, blocks, .. } = &mut self.particles;
         let (layout, blocks) = (*layout, &*blocks);
         let (fields, labels) = (Shared::new(fields), Shared::new(labels));
         let (set, kernels, grid) = (self.set, self.kernels, &self.grid);
@@ -174,7 +196,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
     /// Elastic and potential energy, where `origin` is the world position of the local one.
     pub fn stored_energy(&self, scene: &Scene<T, D>, origin: &Vector<f64, D>) -> StoredEnergy {
         let Fast { set, kernels, materials, particles, .. } = self;
-        let Particles { layout, fields, labels, blocks } = particles;
+        let Particles { layout, fields, labels, blocks, .. } = particles;
         let energy = |home: usize| {
             let chunks = blocks[home].first_chunk..blocks[home].first_chunk + blocks[home].chunks();
             let fields = &fields[chunks.start * layout.fields()..chunks.end * layout.fields()];

@@ -47,7 +47,7 @@ pub(crate) struct Fast<T: Real, const D: usize> {
     /// Whether it holds the particles of a run.
     loaded: bool,
     pub(super) materials: Vec<MaterialNumbers<T>>,
-    mirrors: Vec<(usize, MirrorPlane)>,
+    pub(super) mirrors: Vec<(usize, MirrorPlane)>,
     folds: Vec<Fold<T, D>>,
     pub(super) empty: T,
     pub(super) particles: Particles<T, D>,
@@ -160,7 +160,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
 
     /// Sorts `before` into `particles` and places the grid round them.
     fn settle(&mut self, scene: &Scene<T, D>) {
-        self.before.sort(scene, &mut self.particles, &self.pool);
+        self.before.sort(scene, &mut self.particles, &self.pool, self.set, self.kernels);
         self.grid.place(&self.particles.blocks);
         self.strayed = false;
         self.taken.clear();
@@ -184,20 +184,18 @@ impl<T: Real, const D: usize> Fast<T, D> {
         dt: f64,
         energies: bool,
     ) -> Result<StepLedger<D>, Rejection> {
-        self.sort_if_due(scene);
         let apart =
             energies || scene.energy_budget || !scene.transfer.keeps_affine() || !self.mirrors.is_empty();
         let step = Taken { time, dt, apart };
-        match self.take(scene, step) {
-            Ok(ledger) => {
-                self.taken.push(step);
-                Ok(ledger)
+        self.pool.clone().enter(|| {
+            self.sort_if_due(scene);
+            let result = self.take(scene, step);
+            match result {
+                Ok(_) => self.taken.push(step),
+                Err(_) => self.go_back(scene),
             }
-            Err(rejection) => {
-                self.go_back(scene);
-                Err(rejection)
-            }
-        }
+            result
+        })
     }
 
     /// Takes the steps since the last sort again, bit by bit as they were.
@@ -222,7 +220,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
         mirror::fold(&self.mirrors, &mut self.grid, &scene.gravity, &mut self.folds);
         self.push_nodes(scene, Some(time), dt_t, apart, &mut ledger);
         mirror::unfold(&self.folds, &mut self.grid, &scene.gravity, dt_t, share_t, &mut ledger);
-        if apart {
+        if apart && !self.mirrors.is_empty() {
             ledger.kinetic_grid_after = self.kinetic_of_motion();
         }
         self.grid_to_particles(
@@ -243,6 +241,19 @@ impl<T: Real, const D: usize> Fast<T, D> {
         let mut ledger = StepLedger::new(scene.colliders.len());
         self.push_nodes(scene, None, T::zero(), true, &mut ledger);
         ledger.kinetic_grid_before
+    }
+
+    /// The ids in the order in which the particles would be sorted now; from wherever they are, or block by block.
+    #[cfg(test)]
+    pub fn sorted_ids(&self, scene: &Scene<T, D>, from_anywhere: bool) -> Vec<Vec<u32>> {
+        let (mut now, mut sorted) = (self.particles.clone(), Particles::default());
+        now.placed = !from_anywhere;
+        now.sort(scene, &mut sorted, &self.pool, self.set, self.kernels);
+        let ids = |block: &super::particles::Block<D>| {
+            let labels = sorted.labels[block.first_chunk..block.first_chunk + block.chunks()].as_flattened();
+            labels[..block.particles].iter().map(|label| label.id).collect()
+        };
+        sorted.blocks.iter().map(ids).collect()
     }
 
     /// Mass [kg], momentum [kg m/s] and force [N] of all nodes, after [`Fast::kinetic_on_grid`].

@@ -177,6 +177,32 @@ fn check_grid<T: Real, const D: usize>() {
     }
 }
 
+fn check_sorting<const D: usize>() {
+    for kernel in KERNELS {
+        let scene = scene::<f32, D>(kernel, Transfer::Apic);
+        let mut fast = Fast::new(&scene, 2).expect("a valid scene").expect("a CPU with AVX2");
+        fast.load(&scene, &block(&scene));
+        let start = fast.sorted_ids(&scene, true);
+        for number in 0..60 {
+            let [anywhere, nearby] = [true, false].map(|from| fast.sorted_ids(&scene, from));
+            assert!(anywhere == nearby, "{D}D {kernel:?}, step {number}");
+            let dt = step_length_for(&scene, 1.0, fast.fastest());
+            fast.step(&scene, 0.0, dt, false).expect("a stable step");
+        }
+        assert!(fast.sorted_ids(&scene, false) != start, "{D}D {kernel:?}: particles have changed places");
+    }
+}
+
+/// The counting sort over all nodes is the definition.
+#[test]
+fn particles_sort_alike_from_anywhere_and_from_the_blocks_they_are_in() {
+    if is_absent() {
+        return;
+    }
+    check_sorting::<2>();
+    check_sorting::<3>();
+}
+
 #[test]
 fn the_grid_holds_the_mass_and_momentum_of_the_particles() {
     check_grid::<f32, 2>();
