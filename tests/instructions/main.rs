@@ -8,7 +8,7 @@
 #[path = "../../crates/solver/benches/step/ball.rs"]
 mod ball;
 
-use ball::{Ball, RADIUS, SPEED};
+use ball::{Ball, PARTICLES_A_CELL, RADIUS, SPEED};
 use snowlab_solver::{FlipShare, KernelKind, Real, Simulation, Transfer};
 
 /// The fast engine sorts in every 16th step at least (chosen: one such round; its watchdog, which looks every 50 steps, is off).
@@ -37,8 +37,15 @@ fn main() {
 /// Particle-steps counted. In an impact the strain has passed the yield surface, and most particles yield.
 fn count<const D: usize>(transfer: Transfer, particles: usize, impact: bool) -> usize {
     let gap = if impact { 0.0 } else { 1e3 };
-    let ball =
-        Ball { kernel: KernelKind::Cubic, transfer, particles, gap, squashed: impact, energy_budget: false };
+    let ball = Ball {
+        kernel: KernelKind::Cubic,
+        transfer,
+        particles,
+        gap,
+        squashed: impact,
+        energy_budget: false,
+        per_cell: PARTICLES_A_CELL,
+    };
     let (mut scene, state) = ball.build::<f32, D>();
     scene.time_step.watchdog_interval = 0;
     let mut simulation = Simulation::new(scene, state).expect("a valid scene");

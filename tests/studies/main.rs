@@ -5,6 +5,7 @@ mod clamps;
 mod figures;
 mod input_page;
 mod measure;
+mod memory;
 mod notation;
 mod panics;
 mod report;

@@ -137,16 +137,12 @@ pub fn step<T: Real, const D: usize>(
     Ok(ledger)
 }
 
-/// Kinetic energy of `state` as the grid sees it after particles to grid, which is where the next step begins [J].
+/// Kinetic energy of `state` as the reference engine's grid sees it after particles to grid, which is where the next step begins [J].
 pub(crate) fn kinetic_on_grid<T: Real, const D: usize>(
     scene: &Scene<T, D>,
     state: &State<T, D>,
     workspace: &mut Workspace<T, D>,
 ) -> f64 {
-    if let Some(fast) = &mut workspace.fast {
-        fast.load(scene, state);
-        return fast.kinetic_on_grid(scene);
-    }
     let Workspace { grid, stress, mirrors, folds, empty_mass, .. } = workspace;
     let State { motion, constants, .. } = state;
     place_stencils(scene, motion, grid);

@@ -12,6 +12,7 @@ pub mod figure;
 pub mod fragments_command;
 pub mod frames;
 pub mod measure;
+pub mod memory;
 pub mod metrics;
 pub mod points;
 pub mod present;

@@ -3,11 +3,12 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
+use crate::assemble::engine;
 use crate::measure::{Metrics, measure};
 use crate::metrics::MetricError;
 use crate::record::{Outcome, RunRecord};
 use crate::run::{Observer, run_scene};
-use crate::spec::scene::PlacementSpec;
+use crate::spec::scene::{EngineName, PlacementSpec};
 use crate::spec::study::MeasureSpec;
 use crate::spec::{SceneSpec, SpecError};
 use crate::store::{CaseFolder, PANIC, Store, StoreError, case_key, metric_key};
@@ -219,5 +220,10 @@ fn key_of(scene: &SceneSpec, folder: &Path) -> Result<String, SpecError> {
             inputs.push(std::fs::read(&path).map_err(|source| SpecError::Read { path, source })?);
         }
     }
-    Ok(case_key(scene, &inputs))
+    // The engine that will run is the one that counts: a CPU may not have what the fast one takes.
+    let mut scene = scene.clone();
+    if !engine(scene.numerics.engine).is_available() {
+        scene.numerics.engine = EngineName::Reference;
+    }
+    Ok(case_key(&scene, &inputs))
 }

@@ -3,7 +3,6 @@
 use std::sync::Mutex;
 use std::time::Instant;
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use snowlab_solver::{Real, Simulation};
 
@@ -34,20 +33,29 @@ pub struct Clock {
     pub jobs: usize,
 }
 
-/// Runs the cases of the given numbers, `jobs` at a time. A case that stops does not keep the others from running.
+/// How cases share the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Jobs {
+    /// Threads in all.
+    pub cores: usize,
+    /// Cases at a time, at most; each has its share of the cores.
+    pub side_by_side: usize,
+}
+
+/// Runs the cases of the given numbers. A case that stops does not keep the others from running.
 ///
 /// # Errors
 /// The cases that could not be stored, with their numbers.
 pub fn run_cases(
     archive: &Archive,
     numbers: &[usize],
-    jobs: usize,
+    jobs: Jobs,
     progress: &impl Progress,
 ) -> Result<(), Vec<(usize, StoreError)>> {
     let cases = &archive.study.cases;
-    let jobs = jobs.max(1);
+    let side_by_side = jobs.side_by_side.min(numbers.len()).max(1);
     // A thread for each of many cases keeps all cores busy; few cases share the cores.
-    let threads = (jobs / numbers.len().max(1)).max(1);
+    let threads = (jobs.cores / side_by_side).max(1);
     let mut order: Vec<usize> = numbers.to_vec();
     order.sort_by(|&a, &b| predicted_work(&cases[b]).total_cmp(&predicted_work(&cases[a])).then(a.cmp(&b)));
     let total: f64 = order.iter().map(|&index| predicted_work(&cases[index])).sum();
@@ -57,28 +65,27 @@ pub fn run_cases(
         let mut watcher =
             Watcher { tally: &tally, progress, work: predicted_work(&cases[index]), reported: 0.0 };
         let result = archive.run(index, threads, &mut watcher).and_then(|()| {
-            let clock = Clock::read(started.elapsed().as_secs_f64(), jobs);
+            let clock = Clock::read(started.elapsed().as_secs_f64(), side_by_side);
             archive.case_folder(index).write_json("clock.json", &clock)
         });
         watcher.end();
         progress.finished(&cases[index], result.as_ref().map(|_| ()));
         result.err().map(|error| (index, error))
     };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build().expect("threads can be started");
-    // One case a task, taken in order: the long ones first, so that the last to end are short.
+    // One case a task, taken in order: the long ones first, so that the last to end are short. Threads of their own, for a thread of a pool
+    // that waits for a step may begin another case.
     let queue = Mutex::new(order.iter());
-    let mut failures: Vec<_> = pool.install(|| {
-        (0..jobs)
-            .into_par_iter()
-            .with_max_len(1)
-            .flat_map_iter(|_| {
-                let mut failed = Vec::new();
-                while let Some(index) = { queue.lock().expect("no panic holds the queue").next() } {
-                    failed.extend(run(index));
-                }
-                failed
-            })
-            .collect()
+    let work = || {
+        let mut failed = Vec::new();
+        while let Some(index) = { queue.lock().expect("no panic holds the queue").next() } {
+            failed.extend(run(index));
+        }
+        failed
+    };
+    let mut failures: Vec<_> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..side_by_side).map(|_| scope.spawn(work)).collect();
+        let ends = workers.into_iter().map(std::thread::ScopedJoinHandle::join);
+        ends.flat_map(|end| end.unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
     });
     failures.sort_by_key(|(index, _)| *index);
     if failures.is_empty() { Ok(()) } else { Err(failures) }

@@ -3,7 +3,7 @@
 use snowlab_solver::timestep::step_length;
 use snowlab_solver::{Engine, FlipShare, KernelKind, Simulation, StepLength, Transfer};
 
-use crate::ball::Ball;
+use crate::ball::{Ball, PARTICLES_A_CELL};
 use crate::decomposition::{Decomposition, General, Own};
 use crate::naive::Naive;
 
@@ -27,8 +27,15 @@ fn check_kernel<const D: usize, const N: usize>(kernel: KernelKind, transfer: Tr
 }
 
 fn check_case<const D: usize, const N: usize, S: Decomposition>(kernel: KernelKind, transfer: Transfer) {
-    let mut ball =
-        Ball { kernel, transfer, particles: 2000, gap: 0.0, squashed: false, energy_budget: false };
+    let mut ball = Ball {
+        kernel,
+        transfer,
+        particles: 2000,
+        gap: 0.0,
+        squashed: false,
+        energy_budget: false,
+        per_cell: PARTICLES_A_CELL,
+    };
     // chosen: particles reach nodes two cells away, so that the ball falls freely for a few steps, then strikes.
     ball.gap = 2.3 * ball.spacing(D);
     let (mut scene, state) = ball.build::<f64, D>();

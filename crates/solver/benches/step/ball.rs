@@ -11,7 +11,7 @@ pub const RADIUS: f64 = 0.25;
 /// Downwards at the beginning [m/s].
 pub const SPEED: f64 = 8.0;
 /// (nearly; chosen: between the 4 and the 8 that people use).
-const PARTICLES_A_CELL: f64 = 6.0;
+pub const PARTICLES_A_CELL: f64 = 6.0;
 
 /// What a ball may differ in.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +24,8 @@ pub struct Ball {
     /// Whether it is being flattened and sheared, as if the floor had already stopped its foot.
     pub squashed: bool,
     pub energy_budget: bool,
+    /// Particles to a cell.
+    pub per_cell: f64,
 }
 
 impl Ball {
@@ -62,7 +64,7 @@ impl Ball {
 
     /// Grid spacing in so many dimensions [m].
     pub fn spacing(&self, dimension: usize) -> f64 {
-        (PARTICLES_A_CELL * self.volume(dimension)).powf(1.0 / dimension as f64)
+        (self.per_cell * self.volume(dimension)).powf(1.0 / dimension as f64)
     }
 
     /// Of a particle [m^dimension].

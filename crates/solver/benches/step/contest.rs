@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use snowlab_solver::timestep::step_length;
 use snowlab_solver::{Engine, Real, Scene, Simulation, State};
 
+use crate::ball::Ball;
 use crate::decomposition::{Decomposition, General, Own};
 use crate::naive::Naive;
 use crate::rows::{Row, Size};
@@ -151,6 +152,22 @@ impl<T: Real, const D: usize> Start<T, D> {
         let particles = self.state.len() as f64;
         (simulation.bytes() as f64 / particles, yielding as f64 / particles)
     }
+}
+
+/// Seconds a step of the falling `ball` by the fast engine: the median of 11 bursts.
+pub fn burst_of<T: Real, const D: usize>(ball: &Ball, threads: usize) -> f64 {
+    let (scene, state) = ball.build::<T, D>();
+    let dt = 0.5 * step_length(&scene, &state);
+    let start = Start { scene, state, dt };
+    let steps = steps(Contestant::Fast(threads), ball.particles, Size::Quick);
+    let mut seconds: Vec<f64> = (0..Size::Quick.bursts())
+        .map(|_| {
+            let burst = timed(|| start.simulation(Engine::Fast, threads), steps, advance);
+            burst.as_secs_f64() / steps as f64
+        })
+        .collect();
+    seconds.sort_by(f64::total_cmp);
+    seconds[seconds.len() / 2]
 }
 
 /// How long `steps` steps take of what `body` makes, whose making is not timed.

@@ -6,6 +6,7 @@
 //! cargo bench -p snowlab-solver --bench step                    all cases, 100 thousand particles in 3D; kept in results/bench/steps.csv
 //! cargo bench -p snowlab-solver --bench step -- --full          a million in 3D; steps_full.csv
 //! cargo bench -p snowlab-solver --bench step -- sweep           the first case, from 10 thousand to 4 million; steps_sweep.csv
+//! cargo bench -p snowlab-solver --bench step -- scaling         4 to 64 threads, by a model of blocks of measured cost; printed
 //! cargo bench -p snowlab-solver --bench step -- 2D FLIP         the cases with all these words, nothing kept
 //! cargo test --release -p snowlab-solver --bench step           no times: the naive step against the reference engine
 //! ```
@@ -18,6 +19,7 @@ mod machine;
 mod naive;
 mod report;
 mod rows;
+mod scaling;
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -31,6 +33,7 @@ use snowlab_solver::KernelKind;
 const TIMED: &str = "--bench";
 const FULL: &str = "--full";
 const SWEEP: &str = "sweep";
+const SCALING: &str = "scaling";
 /// Said to the process that measures a row with other instructions: print the outcome alone.
 const ALONE: &str = "--alone";
 
@@ -45,6 +48,10 @@ fn main() {
         (true, _, true) => Size::Sweep,
         (true, false, false) => Size::Quick,
     };
+    if size != Size::Tried && has(SCALING) {
+        scaling::run();
+        return;
+    }
     if size == Size::Tried && !has(ALONE) {
         agreement::check();
     }

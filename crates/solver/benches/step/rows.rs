@@ -2,7 +2,7 @@
 
 use snowlab_solver::{FlipShare, KernelKind, Transfer};
 
-use crate::ball::{Ball, RADIUS, SPEED};
+use crate::ball::{Ball, PARTICLES_A_CELL, RADIUS, SPEED};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Precision {
@@ -115,6 +115,7 @@ impl Row {
             gap: if self.phase == Falling { 1e3 } else { 0.0 },
             squashed: self.phase == Impact,
             energy_budget: self.variant == Variant::Budget,
+            per_cell: PARTICLES_A_CELL,
         }
     }
 

@@ -14,7 +14,7 @@ use super::scatter::{self, Terms};
 #[cfg(test)]
 use super::simd::Lanes;
 use super::simd::{CHUNK, InstructionSet};
-use super::sort;
+use super::sort::{self, Course};
 use super::update::{BlockReport, Update};
 use super::weights::LaneKernel;
 use crate::geometry::Vector;
@@ -126,7 +126,7 @@ for_each_set!(
         layout: Layout<D>,
         block: &Block<D>,
         fields: &[[T; CHUNK]],
-        steps: &mut [[u16; CHUNK]],
+        courses: &mut [[Course; CHUNK]],
     ) -> () = sort::locate
 );
 for_each_set!(
@@ -203,7 +203,7 @@ pub(super) struct Kernels<T: Real, const D: usize> {
         &mut BlockReport<T, D>,
     ),
     /// [`sort::locate`].
-    pub locate: fn(Set, &Scene<T, D>, Layout<D>, &Block<D>, &[[T; CHUNK]], &mut [[u16; CHUNK]]),
+    pub locate: fn(Set, &Scene<T, D>, Layout<D>, &Block<D>, &[[T; CHUNK]], &mut [[Course; CHUNK]]),
     /// [`nodes::push_nodes`].
     pub push_nodes:
         fn(Set, &Push<T, D>, &[Node<T>], &[Node<T>], &mut [Node<T>], &mut [Node<T>]) -> NodeEnergies,
@@ -276,11 +276,13 @@ fn locate<T: Real, const D: usize>(
     layout: Layout<D>,
     block: &Block<D>,
     fields: &[[T; CHUNK]],
-    steps: &mut [[u16; CHUNK]],
+    courses: &mut [[Course; CHUNK]],
 ) {
     let per_spacing = T::one() / scene.spacing;
     match scene.kernel {
-        KernelKind::Cubic => locate_by::<T, Cubic, D>(set, per_spacing, layout, block, fields, steps),
-        KernelKind::Quadratic => locate_by::<T, Quadratic, D>(set, per_spacing, layout, block, fields, steps),
+        KernelKind::Cubic => locate_by::<T, Cubic, D>(set, per_spacing, layout, block, fields, courses),
+        KernelKind::Quadratic => {
+            locate_by::<T, Quadratic, D>(set, per_spacing, layout, block, fields, courses)
+        }
     }
 }

@@ -110,13 +110,14 @@ fn gather_batch<
     next: Next,
 ) {
     let mut nodes = [I::Row::zero(); MAX_SUPPORT * MAX_SUPPORT];
-    let mut start = -1;
+    let mut start = i32::MIN;
     let zero = I::Row::zero();
     for p in 0..particles {
         next.fetch::<I, T>(p);
         if batch.start[p] != start {
             start = batch.start[p];
-            let first = start as usize * CHANNELS;
+            // A start that is none lies beyond any tile.
+            let first = start as u32 as usize * CHANNELS;
             assert!(tile.len() >= first + span::<K, D>());
             for row in 0..rows::<K, D>() {
                 #[expect(unsafe_code, reason = "16 rows in registers leave no room for checks")]

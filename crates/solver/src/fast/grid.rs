@@ -64,7 +64,7 @@ pub(crate) struct BlockGrid<T: Real, const D: usize> {
     /// node in common. Each with the place in this order at which its colour begins.
     pub order: Vec<Turn>,
     /// Whether particles have added to nodes since they were emptied.
-    pub used: bool,
+    pub needs_clearing: bool,
 }
 
 /// A block of particles whose tile is to be added to the grid.
@@ -136,7 +136,7 @@ impl<T: Real, const D: usize> BlockGrid<T, D> {
 
     /// Empties what particles add to, where it is not empty.
     pub fn clear(&mut self, pool: &Pool) {
-        if !std::mem::replace(&mut self.used, true) {
+        if !std::mem::take(&mut self.needs_clearing) {
             return;
         }
         // chosen: tasks of 64 kB and more.

@@ -63,6 +63,11 @@ impl<const D: usize> Block<D> {
     pub fn chunks(&self) -> usize {
         self.particles.div_ceil(CHUNK)
     }
+
+    /// Numbers of its chunks.
+    pub fn chunk_range(&self) -> std::ops::Range<usize> {
+        self.first_chunk..self.first_chunk + self.chunks()
+    }
 }
 
 /// Numbers of a particle that no arithmetic is done with.
@@ -75,7 +80,7 @@ pub(crate) struct Label {
 }
 
 /// All particles.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Particles<T: Real, const D: usize> {
     pub layout: Layout<D>,
     /// `layout.fields()` entries a chunk.
@@ -84,6 +89,23 @@ pub(crate) struct Particles<T: Real, const D: usize> {
     pub blocks: Vec<Block<D>>,
     /// Whether all particles are in their block or one next to it.
     pub placed: bool,
+}
+
+impl<T: Real, const D: usize> Clone for Particles<T, D> {
+    fn clone(&self) -> Self {
+        let mut copy = Self::default();
+        copy.clone_from(self);
+        copy
+    }
+
+    /// Into the memory that is there.
+    fn clone_from(&mut self, other: &Self) {
+        let Particles { layout, fields, labels, blocks, placed } = other;
+        (self.layout, self.placed) = (*layout, *placed);
+        self.fields.clone_from(fields);
+        self.labels.clone_from(labels);
+        self.blocks.clone_from(blocks);
+    }
 }
 
 impl<T: Real, const D: usize> Particles<T, D> {
@@ -152,6 +174,17 @@ impl<T: Real, const D: usize> Particles<T, D> {
         let (mut motion, mut constants) = (ParticleMotion::default(), ParticleConstants::default());
         let mut forces = Vec::new();
         let keeps_clamped = scene.bounds_plastic_ratio();
+        let count = self.len();
+        motion.position.reserve(count);
+        motion.velocity.reserve(count);
+        motion.deformation.reserve(count);
+        motion.plastic_ratio.reserve(count);
+        motion.stiffness.reserve(count);
+        constants.mass.reserve(count);
+        constants.volume.reserve(count);
+        constants.stiffness_scale.reserve(count);
+        constants.material.reserve(count);
+        constants.id.reserve(count);
         for (chunk, lane) in self.places() {
             let fields = &self.fields[chunk * layout.fields()..][..layout.fields()];
             let vector = |first: usize| Vector::<T, D>::from_fn(|i, _| fields[first + i][lane]);

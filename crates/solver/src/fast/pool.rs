@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
@@ -46,9 +46,7 @@ impl Pool {
             }
         }
     }
-}
 
-impl Pool {
     /// Runs `work(scratch, k)` and then `commit(scratch, k)` for all k below `count`. Work is done side by side; the commit of k begins when
     /// `turn(k)` commits have ended, which must be those of the numbers below `turn(k)`: turn(k) <= k, and it never falls as k grows.
     pub fn run_in_turns<S>(
@@ -69,7 +67,8 @@ impl Pool {
         };
         // Numbers are handed out in order, so that whoever waits waits for a thread that is at work. No commit of a turn begins before all
         // of the turns before have ended: their count says which have.
-        let (next, committed) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let next = AtomicUsize::new(0);
+        let turns = Turns { committed: AtomicUsize::new(0), broken: AtomicBool::new(false) };
         pool.broadcast(|_| {
             let mut scratch = scratch();
             loop {
@@ -77,37 +76,52 @@ impl Pool {
                 if k >= count {
                     return;
                 }
-                // Counts k also where a task panics: the others would wait for ever.
-                let _counted = Counted(&committed);
+                let broken = BreaksOff(&turns);
                 work(&mut scratch, k);
-                wait_for(&committed, turn(k));
+                if !turns.wait_for(turn(k)) {
+                    return;
+                }
                 commit(&mut scratch, k);
+                std::mem::forget(broken);
+                turns.committed.fetch_add(1, Ordering::Release);
             }
         });
     }
 }
 
-/// Adds one when dropped.
-struct Counted<'a>(&'a AtomicUsize);
+/// Commits that have ended, and whether one never will.
+struct Turns {
+    committed: AtomicUsize,
+    broken: AtomicBool,
+}
 
-impl Drop for Counted<'_> {
-    fn drop(&mut self) {
-        self.0.fetch_add(1, Ordering::Release);
+impl Turns {
+    /// Waits, at first without giving the core away, until `least` commits have ended; `false` if they never will.
+    fn wait_for(&self, least: usize) -> bool {
+        // chosen: some tens of microseconds, about as long as it takes to be scheduled again.
+        const SPINS: usize = 1000;
+        let mut spins = 0;
+        while self.committed.load(Ordering::Acquire) < least {
+            if self.broken.load(Ordering::Acquire) {
+                return false;
+            }
+            if spins < SPINS {
+                spins += 1;
+                std::hint::spin_loop();
+            } else {
+                std::thread::yield_now();
+            }
+        }
+        true
     }
 }
 
-/// Waits, at first without giving the core away, until `count` is `least` or more.
-fn wait_for(count: &AtomicUsize, least: usize) {
-    // chosen: some microseconds, about as long as it takes to be scheduled again.
-    const SPINS: usize = 1000;
-    let mut spins = 0;
-    while count.load(Ordering::Acquire) < least {
-        if spins < SPINS {
-            spins += 1;
-            std::hint::spin_loop();
-        } else {
-            std::thread::yield_now();
-        }
+/// Dropped by a task that panics, or gives up: nobody need wait for it.
+struct BreaksOff<'a>(&'a Turns);
+
+impl Drop for BreaksOff<'_> {
+    fn drop(&mut self) {
+        self.0.broken.store(true, Ordering::Release);
     }
 }
 

@@ -319,7 +319,8 @@ fn pour<I: InstructionSet<T>, T: Real, K: LaneKernel, const D: usize>(
     start: i32,
     tile: &mut [T],
 ) {
-    let first = start as usize * CHANNELS;
+    // A start that is none lies beyond any tile.
+    let first = start as u32 as usize * CHANNELS;
     assert!(tile.len() >= first + span::<K, D>());
     for row in 0..rows::<K, D>() {
         let place = first + row_offset::<K, D>(row);

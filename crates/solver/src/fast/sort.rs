@@ -18,9 +18,9 @@ use crate::transfer::first_node;
 type Source = Option<(u32, u8)>;
 
 /// A particle's new place as seen from its block: which of the blocks round it (times [`BLOCK_NODES`]), and the node there.
-type Step = u16;
+pub(super) type Course = u16;
 /// That of padding.
-const NOWHERE: Step = Step::MAX;
+const NOWHERE: Course = Course::MAX;
 
 /// Some particles of block `from` on their way to block `corner`, which is number `towards` of those round it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -102,20 +102,20 @@ impl<T: Real, const D: usize> Particles<T, D> {
         kernels: &Kernels<T, D>,
     ) {
         let fields = self.layout.fields();
-        let mut steps = vec![[NOWHERE; CHUNK]; self.labels.len()];
-        let shared = Shared::new(&mut steps);
+        let mut courses = vec![[NOWHERE; CHUNK]; self.labels.len()];
+        let shared = Shared::new(&mut courses);
         let locate = |number: usize| {
             let block = &self.blocks[number];
             let (first, chunks) = (block.first_chunk, block.chunks());
             #[expect(unsafe_code, reason = "tasks write to chunks of their own")]
             // SAFETY: every chunk belongs to one block, and every block to one task.
-            let steps = unsafe { shared.range(first, chunks) };
+            let courses = unsafe { shared.range(first, chunks) };
             let fields = &self.fields[first * fields..(first + chunks) * fields];
-            (kernels.locate)(set, scene, self.layout, block, fields, steps);
-            steps.as_flattened_mut()[block.particles..].fill(NOWHERE);
+            (kernels.locate)(set, scene, self.layout, block, fields, courses);
+            courses.as_flattened_mut()[block.particles..].fill(NOWHERE);
             let mut counts = [0_u32; NEIGHBOURS];
-            for step in &steps.as_flattened()[..block.particles] {
-                counts[usize::from(*step) / BLOCK_NODES] += 1;
+            for course in &courses.as_flattened()[..block.particles] {
+                counts[usize::from(*course) / BLOCK_NODES] += 1;
             }
             counts
         };
@@ -144,7 +144,7 @@ impl<T: Real, const D: usize> Particles<T, D> {
         let blocks = &into.blocks;
         let fill = |sources: &mut Vec<[Source; CHUNK]>, number: usize| {
             let block = &blocks[number];
-            self.sources_of(block, arrivals[number], &steps, sources);
+            self.sources_of(block, arrivals[number], &courses, sources);
             for (offset, sources) in sources.iter().enumerate() {
                 let chunk = block.first_chunk + offset;
                 #[expect(unsafe_code, reason = "tasks write to chunks of their own")]
@@ -162,17 +162,17 @@ impl<T: Real, const D: usize> Particles<T, D> {
         &self,
         block: &Block<D>,
         arrivals: &[Move<D>],
-        steps: &[[Step; CHUNK]],
+        courses: &[[Course; CHUNK]],
         sources: &mut Vec<[Source; CHUNK]>,
     ) {
         let mut cursors = [0_u32; BLOCK_NODES];
         let nodes_of = |part: &Move<D>| {
             let from = &self.blocks[part.from as usize];
-            let chunks = from.first_chunk..from.first_chunk + from.chunks();
+            let chunks = from.chunk_range();
             let first = part.towards * BLOCK_NODES as u16;
-            let steps = steps[chunks.clone()].as_flattened().iter().enumerate();
-            steps.filter_map(move |(p, step)| {
-                let node = usize::from(step.wrapping_sub(first));
+            let courses = courses[chunks.clone()].as_flattened().iter().enumerate();
+            courses.filter_map(move |(p, course)| {
+                let node = usize::from(course.wrapping_sub(first));
                 (node < BLOCK_NODES).then_some((chunks.start + p / CHUNK, p % CHUNK, node))
             })
         };
@@ -224,20 +224,21 @@ fn add_up(counts: &mut [u32], first: u32) -> u32 {
     next - first
 }
 
-/// The steps of a block's particles from its chunks' positions.
+/// The courses of a block's particles from its chunks' positions.
 #[inline(always)]
 pub(super) fn locate<I: InstructionSet<T>, T: Real, K: LaneKernel, const D: usize>(
     per_spacing: T,
     layout: Layout<D>,
     block: &Block<D>,
     fields: &[[T; CHUNK]],
-    steps: &mut [[Step; CHUNK]],
+    courses: &mut [[Course; CHUNK]],
 ) {
     let edge = block_edge::<D>();
-    let (length, share) = (I::Lanes::splat(T::of_index(edge)), I::Lanes::splat(T::of(1.0 / f64::from(edge))));
+    let (length, per_edge) =
+        (I::Lanes::splat(T::of_index(edge)), I::Lanes::splat(T::of(1.0 / f64::from(edge))));
     let (one, three) = (I::Lanes::splat(T::one()), I::Lanes::splat(T::of(3.0)));
     let per_spacing = I::Lanes::splat(per_spacing);
-    for (chunk, steps) in fields.chunks_exact(layout.fields()).zip(steps) {
+    for (chunk, courses) in fields.chunks_exact(layout.fields()).zip(courses) {
         let mut lane = 0;
         while lane < CHUNK {
             let zero = I::Lanes::splat(T::zero());
@@ -247,7 +248,7 @@ pub(super) fn locate<I: InstructionSet<T>, T: Real, K: LaneKernel, const D: usiz
                 // The place's node is one more than the first of the stencil.
                 let first = I::Lanes::splat(T::of_index(block.corner[axis] * edge + 1));
                 let local = K::place::<T, I::Lanes>(x).node - first;
-                let away = (local * share).floor();
+                let away = (local * per_edge).floor();
                 towards = towards.mul_add(three, away + one);
                 node = node.mul_add(length, local - away * length);
             }
@@ -255,7 +256,7 @@ pub(super) fn locate<I: InstructionSet<T>, T: Real, K: LaneKernel, const D: usiz
             let of_block = I::Lanes::splat(T::of_index(BLOCK_NODES as i32));
             towards.mul_add(of_block, node).store_integers(&mut numbers);
             for k in 0..I::Lanes::COUNT {
-                steps[lane + k] = numbers[k] as Step;
+                courses[lane + k] = numbers[k] as Course;
             }
             lane += I::Lanes::COUNT;
         }

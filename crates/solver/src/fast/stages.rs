@@ -58,6 +58,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
         let turn = |number: usize| grid.order[number].after as usize;
         self.pool.run_in_turns(grid.order.len(), turn, Scratch::new::<D>, scatter, add);
         (self.grid.sums, self.grid.forces) = (sums, forces);
+        self.grid.needs_clearing = true;
     }
 
     /// Stages 3 to 5 but for mirrors; without contact where there is no `time` to look for obstacles at. Empties the nodes for the next
@@ -71,7 +72,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
         ledger: &mut StepLedger<D>,
     ) {
         let push = Push { gravity: scene.gravity, dt, empty: self.empty, apart };
-        let is_last = time.is_some() && self.mirrors.is_empty();
+        let sums_are_done_with = time.is_some() && self.mirrors.is_empty();
         let time = time.filter(|_| scene.colliders.iter().any(|c| c.contact != Contact::Mirror));
         let BlockGrid { sums, forces, motion, change, .. } = &mut self.grid;
         let (mut sums, mut forces) = (std::mem::take(sums), std::mem::take(forces));
@@ -99,7 +100,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
             let contact = time
                 .filter(|&time| is_near(&scene.colliders, &surroundings(corner, scene.spacing), time))
                 .map(|time| collide_nodes(scene, &push, corner, sums, motion, change, time));
-            if is_last {
+            if sums_are_done_with {
                 if apart {
                     energies.after = (kernels.kinetic_energy)(*set, sums, motion);
                 }
@@ -111,7 +112,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
         let reports = self.pool.run(grid.blocks(), LEAST_BLOCKS, || (), |(), block| push_block(block));
         let grid = &mut self.grid;
         (grid.sums, grid.forces, grid.motion, grid.change) = (sums, forces, motion, change);
-        grid.used = !is_last;
+        grid.needs_clearing = !sums_are_done_with;
         for (energies, contact) in &reports {
             ledger.kinetic_grid_before += energies.before;
             ledger.kinetic_grid_after += energies.after;
@@ -198,7 +199,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
         let Fast { set, kernels, materials, particles, .. } = self;
         let Particles { layout, fields, labels, blocks, .. } = particles;
         let energy = |home: usize| {
-            let chunks = blocks[home].first_chunk..blocks[home].first_chunk + blocks[home].chunks();
+            let chunks = blocks[home].chunk_range();
             let fields = &fields[chunks.start * layout.fields()..chunks.end * layout.fields()];
             (kernels.stored_energy)(*set, fields, &labels[chunks], *layout, materials, &scene.gravity, origin)
         };

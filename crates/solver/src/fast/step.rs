@@ -49,12 +49,15 @@ pub(crate) struct Fast<T: Real, const D: usize> {
     pub(super) materials: Vec<MaterialNumbers<T>>,
     pub(super) mirrors: Vec<(usize, MirrorPlane)>,
     folds: Vec<Fold<T, D>>,
+    /// A node of no more mass counts as empty [kg].
     pub(super) empty: T,
     pub(super) particles: Particles<T, D>,
     /// As they were before the last sort, and the steps since: to go back to where a refused step began, for steps write over what they
     /// read.
     before: Particles<T, D>,
     taken: Vec<Taken>,
+    /// Steps since the last sort that cannot be taken again.
+    since_sort: usize,
     pub(super) grid: BlockGrid<T, D>,
     pub(super) strayed: bool,
     /// Kinetic energy of the particles [J].
@@ -82,6 +85,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
             particles: Particles::default(),
             before: Particles::default(),
             taken: Vec::new(),
+            since_sort: 0,
             grid: BlockGrid::default(),
             strayed: false,
             kinetic: 0.0,
@@ -135,6 +139,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
         }
         // Steps with other forces cannot be taken again: a refused step comes back here.
         self.before.clone_from(&self.particles);
+        self.since_sort += self.taken.len();
         self.taken.clear();
         true
     }
@@ -163,11 +168,12 @@ impl<T: Real, const D: usize> Fast<T, D> {
         self.before.sort(scene, &mut self.particles, &self.pool, self.set, self.kernels);
         self.grid.place(&self.particles.blocks);
         self.strayed = false;
+        self.since_sort = 0;
         self.taken.clear();
     }
 
     fn sort_if_due(&mut self, scene: &Scene<T, D>) {
-        if self.strayed || self.taken.len() >= SORT_INTERVAL {
+        if self.strayed || self.since_sort + self.taken.len() >= SORT_INTERVAL {
             std::mem::swap(&mut self.before, &mut self.particles);
             self.settle(scene);
         }

@@ -277,7 +277,7 @@ pub(super) fn yields<T: Real, V: Lanes<T>, const D: usize>(
         }
     }
     let least = least_minor::<T, V, D>(&below).min(least_minor::<T, V, D>(&above));
-    // Written so that what is not a number counts as within: the step is refused for it elsewhere.
+    // What is not a number counts as outside; the step is refused for it elsewhere.
     !V::bits(least.above(V::splat(T::zero()))) & (u32::MAX >> (32 - V::COUNT))
 }
 

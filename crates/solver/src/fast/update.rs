@@ -143,14 +143,8 @@ fn update_lanes<
         }
     }
     let turned = one + volume_change::<T, V, D>(&increment);
-    let upright = V::bits(turned.above(zero)) & (u32::MAX >> (32 - V::COUNT));
-    if upright != u32::MAX >> (32 - V::COUNT) && report.rejection.is_none() {
-        let first = (!upright).trailing_zeros() as usize;
-        let mut values = [T::zero(); CHUNK];
-        turned.store(&mut values);
-        let reason = RejectionReason::Inverted { determinant: values[first].as_f64() };
-        report.rejection = Some((labels[lane + first].id, reason));
-    }
+    let all = u32::MAX >> (32 - V::COUNT);
+    let inverted = !V::bits(turned.above(zero)) & all;
     let strain = load_matrix::<T, V, D>(chunk, Layout::<D>::STRAIN, lane);
     let mut strain = compose::<T, V, D>(&increment, &strain);
     if material.flows != 0 {
@@ -227,13 +221,19 @@ fn update_lanes<
     report.strayed |= V::bits(strayed.above(zero)) != 0;
     let too_far = V::bits(moved_squared.above(V::splat(spacing * spacing)));
     let whole = V::bits(V::splat(T::max_value().unwrap_or(spacing)).above(moved_squared));
-    let refused = too_far | (!whole & (u32::MAX >> (32 - V::COUNT)));
+    let refused = inverted | too_far | (!whole & all);
     if refused != 0 && report.rejection.is_none() {
+        // The first particle's reason, however many stand side by side.
         let first = refused.trailing_zeros() as usize;
         let mut values = [T::zero(); CHUNK];
-        moved_squared.store(&mut values);
-        let cells = values[first].as_f64().sqrt() / spacing.as_f64();
-        report.rejection = Some((labels[lane + first].id, RejectionReason::TooFar { cells }));
+        let reason = if inverted >> first & 1 != 0 {
+            turned.store(&mut values);
+            RejectionReason::Inverted { determinant: values[first].as_f64() }
+        } else {
+            moved_squared.store(&mut values);
+            RejectionReason::TooFar { cells: values[first].as_f64().sqrt() / spacing.as_f64() }
+        };
+        report.rejection = Some((labels[lane + first].id, reason));
     }
     let inertia = V::splat(spacing * spacing / update.inverse_inertia);
     let kinetic = V::splat(number(0.5)) * mass * affine_squared.mul_add(inertia, squared);

@@ -6,14 +6,16 @@ mod obstacle;
 mod region;
 mod vector;
 
-pub use numerics::{kernel, transfer};
+pub use numerics::{engine, kernel, transfer};
 pub use region::region;
 
 use std::path::Path;
 
 use snowlab_solver::{InitialParticle, Real, Scene, State, Vector};
 
-use crate::spec::scene::{BodySpec, OutputSpec, RestVolumeName, SceneSpec, TimeUnit};
+use crate::spec::scene::{
+    BodySpec, NumericsSpec, OutputSpec, PrecisionName, RestVolumeName, SceneSpec, TimeUnit,
+};
 use crate::spec::{Spec, SpecError};
 
 use body::{BuiltBody, build_body};
@@ -86,7 +88,7 @@ pub fn assemble<T: Real, const D: usize>(
     made.finish(&particles, spec.numerics.spacing.powi(D as i32));
     made.crossing_time = crossing_time::<D>(&spec.body[0], &particles)?;
     let origin = local_origin(&particles, spec.numerics.spacing);
-    check_reach(&particles, &origin, spec.numerics.spacing)?;
+    check_reach(&particles, &origin, &spec.numerics)?;
     let scene = scene::<T, D>(spec, &origin)?;
     let refused = |error: snowlab_solver::SceneError| SpecError::value("scene", error.to_string());
     let mut state = State::at_rest(&scene, origin, &particles).map_err(refused)?;
@@ -156,20 +158,27 @@ fn crossing_time<const D: usize>(
     Ok(0.5 * extent / vector_or_zero::<D>(&body.velocity, "body.0.velocity")?.norm())
 }
 
-/// Nodes are counted by 32 bits: a body this many cells from the local origin has room to move as far again.
-const MOST_CELLS: f64 = (1_u32 << 30) as f64;
+/// Cells that a body may reach from the local origin. Nodes are counted by 32 bits, and there is room to move as far again; f32 has at least
+/// 8 places within a cell there.
+fn most_cells(precision: PrecisionName) -> u32 {
+    match precision {
+        PrecisionName::F64 => 1 << 30,
+        PrecisionName::F32 => 1 << 20,
+    }
+}
 
 fn check_reach<const D: usize>(
     particles: &[InitialParticle<D>],
     origin: &Vector<f64, D>,
-    spacing: f64,
+    numerics: &NumericsSpec,
 ) -> Result<(), SpecError> {
+    let (spacing, most) = (numerics.spacing, most_cells(numerics.precision));
     let reach = particles.iter().map(|p| (p.position - origin).amax()).fold(0.0, f64::max) / spacing;
-    if reach < MOST_CELLS {
+    if reach < f64::from(most) {
         return Ok(());
     }
     let message = format!(
-        "is {spacing:?}, so that the bodies reach {reach:.3e} cells from their middle; allowed: {MOST_CELLS}"
+        "is {spacing:?}, so that the bodies reach {reach:.3e} cells from their middle; allowed: {most}"
     );
     Err(SpecError::value("`numerics.spacing`", message))
 }

@@ -23,10 +23,7 @@ pub(super) fn scene<T: Real, const D: usize>(
         spacing: T::of(n.spacing),
         kernel: kernel(n.kernel),
         transfer: transfer(n),
-        engine: match n.engine {
-            EngineName::Fast => Engine::Fast,
-            EngineName::Reference => Engine::Reference,
-        },
+        engine: engine(n.engine),
         advection: match n.advection {
             AdvectionName::Interpolated => Advection::Interpolated,
             AdvectionName::Blended => Advection::Blended,
@@ -37,6 +34,14 @@ pub(super) fn scene<T: Real, const D: usize>(
         time_step: time_step(n),
         energy_budget: n.energy_budget,
     })
+}
+
+/// The engine that a scene names.
+pub fn engine(name: EngineName) -> Engine {
+    match name {
+        EngineName::Fast => Engine::Fast,
+        EngineName::Reference => Engine::Reference,
+    }
 }
 
 /// The kernel that a scene names.

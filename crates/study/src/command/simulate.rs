@@ -1,8 +1,12 @@
 //! One scene, its frames as CSV in full precision.
 
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::thread::JoinHandle;
 
-use snowlab_solver::{Real, Simulation};
+use snowlab_solver::{Real, Simulation, State};
+use snowlab_study::memory;
 use snowlab_study::record::{HistoryRow, Outcome, RunRecord};
 use snowlab_study::run::{Observer, run_scene};
 use snowlab_study::spec::{self, SceneSpec};
@@ -17,23 +21,18 @@ pub fn simulate(path: &Path, out: &Path, threads: Option<usize>) -> anyhow::Resu
     let (scene, _) = spec::read::<SceneSpec>(path)?;
     let threads = threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let folder = path.parent().unwrap_or(Path::new("."));
-    let mut writer = FrameWriter { out: out.into(), frames: 0, error: None };
+    memory::side_by_side(memory::of_simulation(&scene), 1, 1)
+        .map_err(|message| anyhow::anyhow!("{}: {message}", path.display()))?;
+    let mut writer = FrameWriter { out: out.into(), frames: 0, background: Background::new() };
     let record = match scene.dimension {
         3 => run_scene::<3>(&scene, folder, threads, &mut writer).map(|run| run.record),
         _ => run_scene::<2>(&scene, folder, threads, &mut writer).map(|run| run.record),
     };
     let record = record.map_err(|error| error.within(path.display()))?;
-    if let Some(error) = writer.error {
-        return Err(error);
-    }
+    let frames = writer.frames;
+    writer.background.end()?;
     history(&record).write(out)?;
-    println!(
-        "{}: {} frames, {} steps, {}",
-        out.display(),
-        writer.frames,
-        record.steps,
-        record.outcome.in_words()
-    );
+    println!("{}: {} frames, {} steps, {}", out.display(), frames, record.steps, record.outcome.in_words());
     if let Outcome::Stopped { message, .. } = &record.outcome {
         eprintln!("snowlab: the run stopped: {message}");
         return Ok(Exit::CasesFailed);
@@ -41,23 +40,61 @@ pub fn simulate(path: &Path, out: &Path, threads: Option<usize>) -> anyhow::Resu
     Ok(Exit::Done)
 }
 
-/// Writes each frame as it comes.
+/// Has each frame written as it comes, while the run goes on.
 struct FrameWriter {
     out: PathBuf,
     frames: usize,
-    error: Option<anyhow::Error>,
+    background: Background,
 }
 
 impl Observer for FrameWriter {
     fn progress(&mut self, _share: f64, _steps: u64) {}
 
     fn frame<T: Real, const D: usize>(&mut self, simulation: &Simulation<T, D>) {
-        let path = self.out.join(format!("frame-{:05}.csv", self.frames));
-        let cleared = if self.frames == 0 { clear(&self.out) } else { Ok(()) };
+        let (out, number, state) = (self.out.clone(), self.frames, simulation.state().clone());
         self.frames += 1;
-        if let Err(error) = cleared.and_then(|()| write_whole(&path, frame_csv(simulation).as_bytes())) {
-            self.error.get_or_insert(error.into());
-        }
+        self.background.add(move || {
+            if number == 0 {
+                clear(&out)?;
+            }
+            write_whole(&out.join(format!("frame-{number:05}.csv")), frame_csv(&state).as_bytes())
+        });
+    }
+}
+
+type Job = Box<dyn FnOnce() -> Result<(), StoreError> + Send>;
+
+/// A thread that does jobs in the order in which they come.
+struct Background {
+    jobs: SyncSender<Job>,
+    thread: JoinHandle<Result<(), StoreError>>,
+}
+
+impl Background {
+    fn new() -> Self {
+        // A job holds a copy of all particles: whoever brings another one waits.
+        let (jobs, waiting) = sync_channel::<Job>(0);
+        // After an error jobs are taken and left, so that nobody waits.
+        let thread = std::thread::spawn(move || {
+            let mut result = Ok(());
+            for job in waiting {
+                if result.is_ok() {
+                    result = job();
+                }
+            }
+            result
+        });
+        Background { jobs, thread }
+    }
+
+    fn add(&self, job: impl FnOnce() -> Result<(), StoreError> + Send + 'static) {
+        self.jobs.send(Box::new(job)).expect("the thread takes jobs until the end");
+    }
+
+    /// Waits for all jobs; the first error of any.
+    fn end(self) -> Result<(), StoreError> {
+        drop(self.jobs);
+        self.thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     }
 }
 
@@ -85,8 +122,7 @@ fn is_own(name: &str) -> bool {
 }
 
 /// Particles in the order of their ids; digits that read back to the same numbers.
-fn frame_csv<T: Real, const D: usize>(simulation: &Simulation<T, D>) -> String {
-    let state = simulation.state();
+fn frame_csv<T: Real, const D: usize>(state: &State<T, D>) -> String {
     let axes = &["x", "y", "z"][..D];
     let mut text = String::from("id");
     axes.iter().for_each(|axis| text.push_str(&format!(",{axis}")));
@@ -110,7 +146,7 @@ fn frame_csv<T: Real, const D: usize>(simulation: &Simulation<T, D>) -> String {
             .chain(motion.velocity[p].iter().map(|v| v.as_f64()))
             .chain(scalars)
             .chain(deformation.iter().map(|f| f.as_f64()));
-        numbers.for_each(|number| text.push_str(&format!(",{number:?}")));
+        numbers.for_each(|number| write!(text, ",{number:?}").expect("a string takes all"));
         text.push('\n');
     }
     text

@@ -6,11 +6,11 @@ use snowlab_study::evaluate::assess_claims;
 use snowlab_study::present::{Findings, Provenance, present, revision};
 use snowlab_study::record::Outcome;
 use snowlab_study::results::{Archive, CaseResult};
-use snowlab_study::schedule::run_cases;
+use snowlab_study::schedule::{Jobs, run_cases};
 use snowlab_study::spec::{self, StudySpec};
 use snowlab_study::sweep::Study;
 use snowlab_study::table::{Table, dictionary};
-use snowlab_study::{check as expectations, tables};
+use snowlab_study::{check as expectations, memory, tables};
 
 use super::progress::Bar;
 use super::{Exit, StudyArguments, in_full};
@@ -41,6 +41,10 @@ pub fn plan(arguments: &StudyArguments) -> anyhow::Result<Exit> {
         let point: Vec<String> = case.axes.iter().map(|(name, value)| format!(" {name} = {value}")).collect();
         println!("{state}  {}  {}{} block {}", archive.key(index), case.arm, point.concat(), case.block);
     }
+    if let Some(bytes) = largest(&study, &missing) {
+        let free = memory::available().map(|free| format!(", {} are free", memory::in_words(free)));
+        println!("memory: up to {} a case{}", memory::in_words(bytes), free.unwrap_or_default());
+    }
     println!(
         "{} cases: {} finished, {} to run",
         study.cases.len(),
@@ -50,13 +54,23 @@ pub fn plan(arguments: &StudyArguments) -> anyhow::Result<Exit> {
     Ok(Exit::Done)
 }
 
+/// Bytes of the largest of the cases of the given numbers.
+fn largest(study: &Study, numbers: &[usize]) -> Option<f64> {
+    numbers.iter().filter_map(|&index| memory::of_case(&study.cases[index].scene)).reduce(f64::max)
+}
+
 /// Runs what is missing and writes the tables. Cases that stopped, now or before, are told by the exit code.
 pub fn run(arguments: &StudyArguments, jobs: Option<usize>) -> anyhow::Result<Exit> {
     let Opened { study, .. } = open(arguments)?;
     let archive = Archive::open(&study, &arguments.out, folder(arguments))?;
     let missing = archive.missing();
     eprintln!("{}: {} cases, {} to run", study.spec.name, study.cases.len(), missing.len());
-    let jobs = jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let cores = jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let jobs = memory::side_by_side(largest(&study, &missing), missing.len(), cores);
+    let jobs = Jobs { cores, side_by_side: jobs.map_err(anyhow::Error::msg)? };
+    if jobs.side_by_side < cores.min(missing.len()) {
+        eprintln!("memory is free for {} cases at a time", jobs.side_by_side);
+    }
     let mut unstored = 0;
     let failures = match run_cases(&archive, &missing, jobs, &Bar::new(missing.len())) {
         Ok(()) => Vec::new(),

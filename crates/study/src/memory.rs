@@ -1,0 +1,98 @@
+//! How much memory a case takes, before it is run.
+
+use crate::assemble::region;
+use crate::spec::SceneSpec;
+use crate::spec::scene::{PrecisionName, RegionSpec, TransferName};
+
+/// Of the program itself, its tables and threads [bytes] (measured: a case of one particle).
+const PROGRAM: f64 = 2.5e7;
+/// Copies of the particles that a run keeps at once: two that are sorted into each other, the watchdog's snapshot and its next one.
+const COPIES: f64 = 4.0;
+/// Particles as they are placed, as they are written out for a frame, and as fragments are measured [bytes a particle] (measured).
+const BESIDE: f64 = 260.0;
+/// Nodes of the grid's blocks over cells that hold particles (chosen: a body of ten blocks across has a block more on each side).
+const MARGIN: f64 = 1.7;
+/// Nodes of a block, and lanes of a chunk of particles.
+const BLOCK: f64 = 64.0;
+const CHUNK: f64 = 16.0;
+/// Particles to a cell where nothing tells (chosen: what studies have).
+const USUAL_PER_CELL: f64 = 4.0;
+
+/// Bytes that a case of `scene` takes at its peak, the program included; `None` where a file has its particles. Within a factor of 1.5
+/// ([docs/performance.md](../../../docs/performance.md)).
+pub fn of_case(scene: &SceneSpec) -> Option<f64> {
+    let counts: Option<Vec<usize>> = scene.body.iter().map(|body| body.placement.count()).collect();
+    let particles: f64 = counts?.iter().map(|&count| count as f64).sum();
+    let numerics = &scene.numerics;
+    let d = scene.dimension as f64;
+    let number = if numerics.precision == PrecisionName::F32 { 4.0 } else { 8.0 };
+    let is_flip = numerics.transfer == TransferName::Flip;
+    let per_cell = per_cell(scene, particles).unwrap_or(USUAL_PER_CELL);
+
+    // x, v, F, C and five numbers; half a chunk of each block is padding.
+    let fields = 2.0 * d + d * d + 5.0 + if is_flip { 0.0 } else { d * d };
+    let padding = 1.0 + 0.5 * CHUNK / (per_cell * BLOCK);
+    let particle = COPIES * padding * (fields * number + 8.0);
+    // Mass and momentum, motion, and where forces are kept apart those and the change of velocity, four channels each.
+    let joined = !is_flip && !numerics.energy_budget && !numerics.watchdog;
+    let arrays = if joined { 2.0 } else { 1.0 + d };
+    let nodes = MARGIN * arrays * 4.0 * number / per_cell;
+    let frames = scene.output.end / scene.output.frame_interval + 2.0;
+    let frame = 4.0 * (d + 1.0);
+    Some(PROGRAM + particles * (particle + nodes + BESIDE + frames * frame))
+}
+
+/// [`of_case`] of a run whose frames are written as text: two copies of the state wait to be written, and a frame's text.
+pub fn of_simulation(scene: &SceneSpec) -> Option<f64> {
+    let counts: Option<Vec<usize>> = scene.body.iter().map(|body| body.placement.count()).collect();
+    let particles: f64 = counts?.iter().map(|&count| count as f64).sum();
+    let d = scene.dimension as f64;
+    let (numbers, digits) = (2.0 * d + d * d + 5.0, 21.0);
+    // A text grows by doubling.
+    Some(of_case(scene)? + particles * numbers * (2.0 * 8.0 + 2.0 * digits))
+}
+
+/// Particles to a cell, from the regions' volume.
+fn per_cell(scene: &SceneSpec, particles: f64) -> Option<f64> {
+    let volumes: Option<Vec<f64>> = match scene.dimension {
+        3 => scene.body.iter().map(|body| volume::<3>(body.region.as_ref()?)).collect(),
+        _ => scene.body.iter().map(|body| volume::<2>(body.region.as_ref()?)).collect(),
+    };
+    Some(particles * scene.numerics.spacing.powi(scene.dimension as i32) / volumes?.iter().sum::<f64>())
+}
+
+fn volume<const D: usize>(spec: &RegionSpec) -> Option<f64> {
+    let region = region::<D>(spec, "region").ok()?;
+    // chosen: sixteen times as coarse as for placing particles.
+    region.volume(16.0 * region.volume_raster()).ok()
+}
+
+/// How many of `cases` may run side by side on so many cores, the largest of which takes `bytes`.
+///
+/// # Errors
+/// What to do where not even one fits.
+pub fn side_by_side(bytes: Option<f64>, cases: usize, cores: usize) -> Result<usize, String> {
+    let wanted = cases.min(cores).max(1);
+    let (Some(bytes), Some(available)) = (bytes, available()) else { return Ok(wanted) };
+    let fitting = (available / bytes) as usize;
+    if fitting == 0 {
+        return Err(format!(
+            "a case takes about {}, and {} are free; use fewer particles or frames, `precision = \"f32\"`, or another machine",
+            in_words(bytes),
+            in_words(available)
+        ));
+    }
+    Ok(wanted.min(fitting))
+}
+
+/// Memory that is free for programs [bytes], where the system tells.
+pub fn available() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let kilobytes = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    kilobytes.trim().trim_end_matches(" kB").parse::<f64>().ok().map(|kilobytes| 1024.0 * kilobytes)
+}
+
+/// `340 MB`, `2.1 GB`.
+pub fn in_words(bytes: f64) -> String {
+    if bytes < 1e9 { format!("{:.0} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
+}
