@@ -272,6 +272,29 @@ fn a_refused_step_leaves_every_bit_between_sorts_too() {
     }
 }
 
+#[test]
+fn a_refused_step_is_told_of_alike_by_every_set() {
+    let scene = scene::<f32, 3>(KernelKind::Cubic, Transfer::Mls);
+    let mut told = std::collections::BTreeSet::new();
+    for k in 0..20 {
+        // From steps that turn single particles inside out to ones that throw all too far.
+        let dt = 3e-4 * 1.3_f64.powi(k);
+        let rejections: Vec<String> = sets()
+            .into_iter()
+            .map(|set| {
+                let mut fast = Fast::new(&scene, 1).expect("a valid scene").expect("a CPU with AVX2");
+                fast.set_instructions(set);
+                fast.load(&scene, &block(&scene));
+                let number = (0..40).find_map(|n| fast.step(&scene, 0.0, dt, false).err().map(|why| (n, why)));
+                format!("{number:?}")
+            })
+            .collect();
+        assert!(rejections.windows(2).all(|pair| pair[0] == pair[1]), "{dt:e} s: {rejections:?}");
+        told.extend(rejections);
+    }
+    println!("{} rejections compared", told.len());
+}
+
 /// What lanes compute of `x`, put in all of them, for every instruction set.
 fn exponentials<T: Real>(x: f64) -> Vec<f64> {
     sets().into_iter().map(|set| super::dispatch::exponential::<T>(set, T::of(x)).as_f64()).collect()
