@@ -285,7 +285,8 @@ fn a_refused_step_is_told_of_alike_by_every_set() {
                 let mut fast = Fast::new(&scene, 1).expect("a valid scene").expect("a CPU with AVX2");
                 fast.set_instructions(set);
                 fast.load(&scene, &block(&scene));
-                let number = (0..40).find_map(|n| fast.step(&scene, 0.0, dt, false).err().map(|why| (n, why)));
+                let number =
+                    (0..40).find_map(|n| fast.step(&scene, 0.0, dt, false).err().map(|why| (n, why)));
                 format!("{number:?}")
             })
             .collect();
