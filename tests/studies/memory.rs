@@ -51,6 +51,8 @@ fn a_case_takes_what_it_is_said_to_take() {
     for (dimension, count, spacing, numerics) in [
         (2, 100_000, 0.0035, "precision = \"f32\""),
         (3, 100_000, 0.017, "precision = \"f64\"\ntransfer = \"apic\""),
+        (3, 100_000, 0.017, "precision = \"f32\"\ntransfer = \"mls\""),
+        (3, 30_000, 0.026, "precision = \"f32\"\ntransfer = \"mls\""),
         (2, 1000, 0.02, ""),
     ] {
         let text = scene(dimension, count, &format!("spacing = {spacing}\n{numerics}"));

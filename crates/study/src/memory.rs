@@ -1,15 +1,19 @@
 //! How much memory a case takes, before it is run.
 
+use std::f64::consts::PI;
+
 use crate::assemble::region;
 use crate::spec::SceneSpec;
 use crate::spec::scene::{PrecisionName, RegionSpec, TransferName};
 
-/// Of the program itself, its tables and threads [bytes] (measured: a case of one particle).
+/// Of the program itself, its tables and threads [bytes] (chosen: a case of two particles peaks at 18 MB, and heaps have gaps).
 const PROGRAM: f64 = 2.5e7;
-/// Copies of the particles that a run keeps at once: two that are sorted into each other, the watchdog's snapshot and its next one.
+/// Copies of the particles in the engine's chunks: two that are sorted into each other, the watchdog's snapshot and its next one.
 const COPIES: f64 = 4.0;
-/// Particles as they are placed, as they are written out for a frame, and as fragments are measured [bytes a particle] (measured).
-const BESIDE: f64 = 260.0;
+/// Copies of the particles as a plain state: as they were placed, and as they are looked at.
+const PLAIN_COPIES: f64 = 2.0;
+/// Beside its bonds, what measuring a particle takes [bytes] (chosen: 290 of 820 are not bonds at 300 thousand in 3D).
+const MEASURED: f64 = 300.0;
 /// Nodes of the grid's blocks over cells that hold particles (chosen: a body of ten blocks across has a block more on each side).
 const MARGIN: f64 = 1.7;
 /// Nodes of a block, and lanes of a chunk of particles.
@@ -21,35 +25,49 @@ const USUAL_PER_CELL: f64 = 4.0;
 /// Bytes that a case of `scene` takes at its peak, the program included; `None` where a file has its particles. Within a factor of 1.5
 /// ([docs/performance.md](../../../docs/performance.md)).
 pub fn of_case(scene: &SceneSpec) -> Option<f64> {
-    let counts: Option<Vec<usize>> = scene.body.iter().map(|body| body.placement.count()).collect();
-    let particles: f64 = counts?.iter().map(|&count| count as f64).sum();
+    let particles = particles(scene)?;
     let numerics = &scene.numerics;
-    let d = scene.dimension as f64;
-    let number = if numerics.precision == PrecisionName::F32 { 4.0 } else { 8.0 };
-    let is_flip = numerics.transfer == TransferName::Flip;
+    let (d, number) = (scene.dimension as f64, bytes_of_number(scene));
     let per_cell = per_cell(scene, particles).unwrap_or(USUAL_PER_CELL);
 
-    // x, v, F, C and five numbers; half a chunk of each block is padding.
-    let fields = 2.0 * d + d * d + 5.0 + if is_flip { 0.0 } else { d * d };
+    // Half a chunk of each block is padding.
     let padding = 1.0 + 0.5 * CHUNK / (per_cell * BLOCK);
-    let particle = COPIES * padding * (fields * number + 8.0);
+    let fields = fields(scene);
+    let particle = COPIES * padding * (fields * number + 8.0) + PLAIN_COPIES * fields * number;
     // Mass and momentum, motion, and where forces are kept apart those and the change of velocity, four channels each.
-    let joined = !is_flip && !numerics.energy_budget && !numerics.watchdog;
+    let joined = numerics.transfer != TransferName::Flip && !numerics.energy_budget && !numerics.watchdog;
     let arrays = if joined { 2.0 } else { 1.0 + d };
     let nodes = MARGIN * arrays * 4.0 * number / per_cell;
+    // Pairs within 2 h, four bytes each (metrics/bond_graph.rs): a disc's area or a ball's volume of particles, each pair once.
+    let bonds = 4.0 * 0.5 * per_cell * if scene.dimension == 2 { 4.0 * PI } else { 32.0 / 3.0 * PI };
     let frames = scene.output.end / scene.output.frame_interval + 2.0;
     let frame = 4.0 * (d + 1.0);
-    Some(PROGRAM + particles * (particle + nodes + BESIDE + frames * frame))
+    // A case is measured when its engine is gone.
+    Some(PROGRAM + particles * ((particle + nodes).max(bonds + MEASURED) + frames * frame))
 }
 
 /// [`of_case`] of a run whose frames are written as text: two copies of the state wait to be written, and a frame's text.
 pub fn of_simulation(scene: &SceneSpec) -> Option<f64> {
-    let counts: Option<Vec<usize>> = scene.body.iter().map(|body| body.placement.count()).collect();
-    let particles: f64 = counts?.iter().map(|&count| count as f64).sum();
-    let d = scene.dimension as f64;
-    let (numbers, digits) = (2.0 * d + d * d + 5.0, 21.0);
+    // chosen: the longest that a number of 17 digits is written.
+    let digits = 21.0;
     // A text grows by doubling.
-    Some(of_case(scene)? + particles * numbers * (2.0 * 8.0 + 2.0 * digits))
+    Some(of_case(scene)? + particles(scene)? * fields(scene) * (2.0 * bytes_of_number(scene) + 2.0 * digits))
+}
+
+/// How many there will be; `None` where a file has them.
+fn particles(scene: &SceneSpec) -> Option<f64> {
+    let counts: Option<Vec<usize>> = scene.body.iter().map(|body| body.placement.count()).collect();
+    Some(counts?.into_iter().sum::<usize>() as f64)
+}
+
+/// Numbers of a particle: x, v, F, five of one component, and C where the transfer is affine.
+fn fields(scene: &SceneSpec) -> f64 {
+    let d = scene.dimension as f64;
+    2.0 * d + d * d + 5.0 + if scene.numerics.transfer == TransferName::Flip { 0.0 } else { d * d }
+}
+
+fn bytes_of_number(scene: &SceneSpec) -> f64 {
+    if scene.numerics.precision == PrecisionName::F32 { 4.0 } else { 8.0 }
 }
 
 /// Particles to a cell, from the regions' volume.

@@ -8,16 +8,21 @@ use crate::ball::{Ball, PARTICLES_A_CELL};
 use crate::contest::burst_of;
 
 const THREADS: [usize; 6] = [1, 2, 4, 8, 16, 64];
-/// Of the time of a block: scattering its particles, adding its tile to the grid, and all that gathers from its tile. Measured by a sampling
-/// profiler at 300 thousand particles in 2D and 100 thousand in 3D.
-const SHARES: [f64; 3] = [0.42, 0.08, 0.50];
-/// A parallel part begins and ends so much later than its tasks [s] (measured on two threads with tasks of nothing).
-const HANDOVER: f64 = 10e-6;
+/// Of the time of a block: scattering its particles, adding its tile to the grid, and all that gathers from its tile. A sampling profiler says
+/// 0.44, 0.11 and 0.45 at 300 thousand particles in 2D, and 0.46, 0.09 and 0.45 at 100 thousand in 3D (MLS, f32).
+const SHARES: [f64; 3] = [0.45, 0.10, 0.45];
+/// Particles of a ball so small that its steps on two threads take as long as handing over does (chosen: a few blocks of one chunk).
+const FEW: usize = 64;
 /// Parallel parts of a step: scatter, nodes, gather; sorting has three, in every fifth step of a fall.
 const PARTS: f64 = 3.6;
 
 /// Measures and prints the model's table.
 pub fn run() {
+    let handover = handover();
+    println!(
+        "handing over to a second thread and back takes {:.1} us for each parallel part",
+        handover * 1e6
+    );
     println!(
         "{:<30}{:>8}{:>9}{:>10}{:>10}  speed-up on so many threads, by the model",
         "case", "blocks", "ns a", "us a", "measured"
@@ -25,14 +30,21 @@ pub fn run() {
     print!("{:<30}{:>8}{:>9}{:>10}{:>10}", "", "", "particle", "block", "on two");
     THREADS.iter().for_each(|threads| print!("{threads:>7}"));
     println!();
-    case::<f32, 2>(30_000);
-    case::<f32, 2>(300_000);
-    case::<f32, 3>(100_000);
-    case::<f32, 3>(1_000_000);
+    case::<f32, 2>(30_000, handover);
+    case::<f32, 2>(300_000, handover);
+    case::<f32, 3>(100_000, handover);
+    case::<f32, 3>(1_000_000, handover);
 }
 
-fn case<T: Real, const D: usize>(particles: usize) {
-    let ball = |particles, per_cell| Ball {
+/// A parallel part ends so much later on two threads than on one where there is next to nothing to do [s].
+fn handover() -> f64 {
+    let few = ball(FEW, PARTICLES_A_CELL);
+    let [one, two] = [1, 2].map(|threads| burst_of::<f32, 2>(&few, threads));
+    ((two - one) / PARTS).max(0.0)
+}
+
+fn ball(particles: usize, per_cell: f64) -> Ball {
+    Ball {
         kernel: KernelKind::Cubic,
         transfer: Transfer::Mls,
         particles,
@@ -40,7 +52,10 @@ fn case<T: Real, const D: usize>(particles: usize) {
         squashed: false,
         energy_budget: false,
         per_cell,
-    };
+    }
+}
+
+fn case<T: Real, const D: usize>(particles: usize, handover: f64) {
     let (full, sparse) = (ball(particles, PARTICLES_A_CELL), ball(particles / 2, 0.5 * PARTICLES_A_CELL));
     let time = |ball: &Ball, threads| burst_of::<T, D>(ball, threads);
     // As many blocks with half the particles: what a block costs and what a particle does.
@@ -59,7 +74,7 @@ fn case<T: Real, const D: usize>(particles: usize) {
     let costs: Vec<(usize, f64)> =
         counts.into_iter().map(|(colour, count)| (colour, of_block + of_particle * count as f64)).collect();
     for threads in THREADS {
-        print!("{:>7.1}", whole / step_time(&costs, threads));
+        print!("{:>7.1}", whole / step_time(&costs, threads, handover));
     }
     println!();
 }
@@ -81,7 +96,7 @@ fn block_counts<T: Real, const D: usize>(ball: &Ball) -> Vec<(usize, usize)> {
 }
 
 /// Of a step over blocks of these colours and costs [s].
-fn step_time(blocks: &[(usize, f64)], threads: usize) -> f64 {
+fn step_time(blocks: &[(usize, f64)], threads: usize, handover: f64) -> f64 {
     let mut by_colour = blocks.to_vec();
     by_colour.sort_by_key(|(colour, _)| *colour);
     let [scatter, add, gather] = SHARES;
@@ -103,7 +118,7 @@ fn step_time(blocks: &[(usize, f64)], threads: usize) -> f64 {
         let thread = earliest(&busy);
         busy[thread] += gather * cost;
     }
-    let handover = if threads > 1 { PARTS * HANDOVER } else { 0.0 };
+    let handover = if threads > 1 { PARTS * handover } else { 0.0 };
     latest + busy.iter().copied().fold(0.0, f64::max) + handover
 }
 

@@ -40,33 +40,39 @@ pub fn interior<const D: usize>(positions: &[Vector<f64, D>], depth: f64) -> Res
     Ok(near_an_edge.into_iter().map(|near| !near).collect())
 }
 
-/// The centres of all raster cells of side `spacing` within `clearance` [m] of some particle (and some
-/// beyond).
+/// The centres of all raster cells of side `spacing` within `clearance` [m] of some particle, and some beyond.
 fn probes<const D: usize>(positions: &[Vector<f64, D>], spacing: f64, clearance: f64) -> Vec<Vector<f64, D>> {
-    let steps = (clearance / spacing).ceil() as i32;
+    let steps = (clearance / spacing).ceil() as i64;
     let list = CellList::new(positions, spacing, Some(Vector::zeros()));
-    let mut centres: Vec<[f64; D]> = (0..list.cells())
-        .map(|cell| {
-            let point = list.points()[list.slots(cell).start];
-            std::array::from_fn(|axis| ((point[axis] / spacing).floor() + 0.5) * spacing)
-        })
+    let mut cells: Vec<[i64; D]> = (0..list.cells())
+        .map(|cell| list.points()[list.slots(cell).start])
+        .map(|point| std::array::from_fn(|axis| (point[axis] / spacing).floor() as i64))
         .collect();
     // A box is widened axis by axis: D short passes in place of one of (2 steps + 1)^D.
-    for axis in 0..D {
-        centres = centres
-            .into_iter()
-            .flat_map(|centre| {
-                (-steps..=steps).map(move |step| {
-                    let mut moved = centre;
-                    moved[axis] = ((centre[axis] / spacing).floor() + f64::from(step) + 0.5) * spacing;
-                    moved
-                })
-            })
-            .collect();
-        centres.sort_unstable_by(|a, b| a.partial_cmp(b).expect("raster centres are finite"));
-        centres.dedup();
+    (0..D).for_each(|axis| cells = widened(std::mem::take(&mut cells), axis, steps));
+    cells.into_iter().map(|cell| Vector::from(cell.map(|n| (n as f64 + 0.5) * spacing))).collect()
+}
+
+/// `cells` and those up to `steps` beside them along `axis`, each once.
+fn widened<const D: usize>(mut cells: Vec<[i64; D]>, axis: usize, steps: i64) -> Vec<[i64; D]> {
+    let row_first = |mut cell: [i64; D]| {
+        cell.swap(axis, D - 1);
+        cell
+    };
+    cells.sort_unstable_by_key(|&cell| row_first(cell));
+    let mut wide: Vec<[i64; D]> = Vec::with_capacity(2 * cells.len());
+    for cell in cells {
+        let on_row = |n| {
+            let mut moved = cell;
+            moved[axis] = n;
+            moved
+        };
+        // What the row's cell before has widened to already.
+        let done =
+            wide.last().filter(|last| on_row(last[axis]) == **last).map_or(i64::MIN, |last| last[axis] + 1);
+        wide.extend((done.max(cell[axis] - steps)..=cell[axis] + steps).map(on_row));
     }
-    centres.into_iter().map(Vector::from).collect()
+    wide
 }
 
 /// For each of `targets` whether one of `others` lies within `radius` [m].
