@@ -14,6 +14,7 @@ mod edge_cases;
 mod energy;
 mod engines;
 mod equivariance;
+mod implicit;
 mod kernels;
 mod material;
 mod mirrors;

@@ -10,6 +10,7 @@ mod decompositions;
 mod edge_cases;
 mod energy;
 mod equivariance;
+mod implicit;
 mod kernels;
 mod material;
 mod mirrors;

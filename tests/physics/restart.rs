@@ -48,7 +48,7 @@ fn a_step_is_refused_for_what_is_wrong_with_it() {
     let mut alone = state(&scene, &[particle([0.0, 0.0], [3.0, 0.0], 1e-3)]);
     let mut workspace = Workspace::new(&scene, &alone).expect("a valid scene");
     let refused = step(&scene, &mut alone, &mut workspace, 0.04).expect_err("too far");
-    let Rejection { particle: 0, reason: RejectionReason::TooFar { cells } } = refused else {
+    let Rejection { particle: Some(0), reason: RejectionReason::TooFar { cells } } = refused else {
         panic!("{refused:?}")
     };
     assert!((cells - 1.2).abs() < 1e-12);

@@ -3,8 +3,8 @@
 use snowlab_solver::collision::{Collider, Contact};
 use snowlab_solver::geometry::{Matrix, Shape, Vector, unit};
 use snowlab_solver::{
-    Advection, Elastic, FlipShare, InitialParticle, KernelKind, Lame, Material, Real, Scene, Snow, State,
-    StepLength, TimeStepControl, Transfer,
+    Advection, Elastic, FlipShare, InitialParticle, Integrator, KernelKind, Lame, Material, Real, Scene,
+    Snow, State, StepLength, TimeStepControl, Transfer,
 };
 
 pub const YOUNG: f64 = 1.4e5;
@@ -83,6 +83,7 @@ pub fn scene<T: Real, const D: usize>(spacing: f64) -> Scene<T, D> {
         kernel: KernelKind::Cubic,
         transfer: Transfer::Flip(FlipShare::PerStep(0.95)),
         engine: crate::ENGINE,
+        integrator: Integrator::Explicit,
         advection: Advection::Interpolated,
         materials: vec![Material::Snow(snow())],
         colliders: Vec::new(),

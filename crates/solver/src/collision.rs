@@ -72,6 +72,16 @@ impl<T: Real, const D: usize> Collider<T, D> {
         Some(answer + self.velocity)
     }
 
+    /// Whether `x` [m] lies in the obstacle or on it at time `time` [s].
+    pub fn contains(&self, x: &Vector<T, D>, time: f64) -> bool {
+        self.shape.surface(&(x - self.velocity * T::of(time))).distance <= T::zero()
+    }
+
+    /// The unit normal out of the obstacle at `x` [m], at time `time` [s].
+    pub fn normal_at(&self, x: &Vector<T, D>, time: f64) -> Vector<T, D> {
+        self.shape.surface(&(x - self.velocity * T::of(time))).normal
+    }
+
     /// The mirror's plane on a grid of the given spacing.
     ///
     /// # Errors

@@ -40,7 +40,7 @@ pub(crate) fn update_deformation<T: Real, const D: usize>(
         // Written so that a NaN is refused as well.
         if !(turned > T::zero()) {
             let reason = RejectionReason::Inverted { determinant: turned.as_f64() };
-            return Err(Rejection { particle: constants.id[p], reason });
+            return Err(Rejection { particle: Some(constants.id[p]), reason });
         }
         let material = &scene.materials[constants.material[p] as usize];
         let (trial, ratio, stiffness) =

@@ -58,6 +58,15 @@ pub enum RejectionReason {
         /// Distance in cells.
         cells: f64,
     },
+    /// The linear system of an implicit step was not solved to its tolerance.
+    NotConverged {
+        /// Applications of the operator.
+        iterations: u32,
+        /// What was left of the residual.
+        residual: f64,
+        /// What may be left.
+        tolerance: f64,
+    },
 }
 
 impl std::fmt::Display for RejectionReason {
@@ -67,6 +76,10 @@ impl std::fmt::Display for RejectionReason {
                 write!(f, "the step turns an element inside out (det(I + dt grad v) = {determinant:e})")
             }
             RejectionReason::TooFar { cells } => write!(f, "a particle moves {cells:.3} cells in one step"),
+            RejectionReason::NotConverged { iterations, residual, tolerance } => write!(
+                f,
+                "the linear system's residual is {residual:.3e} after {iterations} iterations, {tolerance:.3e} is asked for"
+            ),
         }
     }
 }
@@ -74,8 +87,8 @@ impl std::fmt::Display for RejectionReason {
 /// A step that was not taken; the state is as before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rejection {
-    /// Number (`id`) of the particle that refused it.
-    pub particle: u32,
+    /// Number (`id`) of the particle that refused it; `None` where all did together.
+    pub particle: Option<u32>,
     /// Why.
     pub reason: RejectionReason,
 }
@@ -85,11 +98,12 @@ pub struct Rejection {
 pub enum SimulationError {
     /// Halving the step did not help.
     #[error(
-        "particle {particle} at t = {time:.6e} s: {reason}, also at dt = {dt:.3e} s after {halvings} halvings"
+        "{}t = {time:.6e} s: {reason}, also at dt = {dt:.3e} s after {halvings} halvings",
+        particle.map_or_else(|| "at ".to_owned(), |particle| format!("particle {particle} at "))
     )]
     StepRejected {
-        /// Number (`id`) of the particle.
-        particle: u32,
+        /// Number (`id`) of the particle, where one refused the step.
+        particle: Option<u32>,
         /// Time [s].
         time: f64,
         /// The last step tried [s].

@@ -1,6 +1,7 @@
 //! Where momentum and energy went: by step, and over a run. All in f64, whatever the run's precision.
 
 use crate::geometry::Vector;
+use crate::implicit::Solution;
 use crate::real::Real;
 
 /// What an obstacle received and did.
@@ -37,6 +38,8 @@ pub struct StepLedger<const D: usize> {
     pub clamps: u64,
     /// 1 - a of the step's FLIP share, 0 for transfers without one.
     pub damping: f64,
+    /// How an implicit step's linear system was solved.
+    pub solve: Solution,
 }
 
 /// The energy of an impulse that takes material from velocity `before` to `after` [J]: momentum . (before + after) / 2.
@@ -66,6 +69,12 @@ pub struct Ledger<const D: usize> {
     pub clamps: u64,
     /// Integral of (1 - a) / dt over time: the sum of 1 - a.
     pub damping: f64,
+    /// Applications of implicit steps' operators, in steps that were accepted.
+    pub iterations: u64,
+    /// The most that one step took.
+    pub most_iterations: u32,
+    /// The largest residual that a solve has left.
+    pub largest_residual: f64,
     /// Steps tried and refused.
     pub rejected_steps: u64,
     /// Times the watchdog went back to a snapshot.
@@ -90,6 +99,7 @@ impl<const D: usize> StepLedger<D> {
             dropped_mass: 0.0,
             clamps: 0,
             damping: 0.0,
+            solve: Solution::default(),
         }
     }
 
@@ -128,6 +138,9 @@ impl<const D: usize> Ledger<D> {
             dropped_mass: 0.0,
             clamps: 0,
             damping: 0.0,
+            iterations: 0,
+            most_iterations: 0,
+            largest_residual: 0.0,
             rejected_steps: 0,
             watchdog_restores: 0,
         }
@@ -154,6 +167,9 @@ impl<const D: usize> Ledger<D> {
         self.dropped_mass = self.dropped_mass.max(step.dropped_mass);
         self.clamps += step.clamps;
         self.damping += step.damping;
+        self.iterations += u64::from(step.solve.iterations);
+        self.most_iterations = self.most_iterations.max(step.solve.iterations);
+        self.largest_residual = self.largest_residual.max(step.solve.residual);
     }
 
     /// Work of all obstacles on the material [J].

@@ -15,6 +15,7 @@ mod fast;
 mod fast;
 pub mod geometry;
 pub mod grid;
+pub mod implicit;
 pub mod kernel;
 pub mod ledger;
 pub mod material;
@@ -36,9 +37,13 @@ mod watchdog;
 pub use collision::{Collider, Contact};
 pub use error::{SceneError, SimulationError};
 pub use geometry::{Matrix, Shape, Vector};
+pub use implicit::krylov::Method;
 pub use kernel::KernelKind;
 pub use material::{Elastic, Lame, Material, Snow};
 pub use real::Real;
-pub use scene::{Advection, Engine, FlipShare, Scene, StepLength, TimeStepControl, Transfer};
+pub use scene::{
+    Advection, Engine, FlipShare, Integrator, LinearSolve, Preconditioner, Scene, StepLength,
+    TimeStepControl, Transfer,
+};
 pub use simulation::Simulation;
 pub use state::{InitialParticle, State};

@@ -128,6 +128,53 @@ pub(crate) fn unfold<T: Real, const D: usize>(
     }
 }
 
+/// Gives nodes the sums back that were theirs before they were folded.
+pub(crate) fn restore_sums<T: Real, const D: usize>(folds: &[Fold<T, D>], grid: &mut impl Nodes<T, D>) {
+    for fold in folds.iter().rev() {
+        grid.set_sums(fold.inner, &fold.own_inner);
+        grid.set_sums(fold.outer, &fold.own_outer);
+    }
+}
+
+/// Sets a field of velocities beyond the planes to its mirror image, and its normal component on them to 0.
+pub(crate) fn reflect_out<T: Real, const D: usize>(folds: &[Fold<T, D>], field: &mut [Vector<T, D>]) {
+    for fold in folds.iter().rev() {
+        if fold.outer == fold.inner {
+            field[fold.inner][fold.axis] = T::zero();
+        } else {
+            field[fold.outer] = reflect(&field[fold.inner], fold.axis);
+        }
+    }
+}
+
+/// Folds a field of forces onto the material's side: the transpose of [`reflect_out`].
+pub(crate) fn fold_in<T: Real, const D: usize>(folds: &[Fold<T, D>], field: &mut [Vector<T, D>]) {
+    for fold in folds {
+        if fold.outer == fold.inner {
+            field[fold.inner][fold.axis] = T::zero();
+        } else {
+            let image = reflect(&field[fold.outer], fold.axis);
+            field[fold.inner] += image;
+            field[fold.outer] = Vector::zeros();
+        }
+    }
+}
+
+/// Folds sums that have no direction.
+pub(crate) fn fold_numbers<T: Real, const D: usize>(folds: &[Fold<T, D>], field: &mut [T]) {
+    for fold in folds.iter().filter(|fold| fold.outer != fold.inner) {
+        let image = std::mem::replace(&mut field[fold.outer], T::zero());
+        field[fold.inner] += image;
+    }
+}
+
+/// The nodes on planes, each with the axis along which it does not move.
+pub(crate) fn nodes_on_planes<T: Real, const D: usize>(
+    folds: &[Fold<T, D>],
+) -> impl Iterator<Item = (usize, usize)> + '_ {
+    folds.iter().filter(|fold| fold.outer == fold.inner).map(|fold| (fold.inner, fold.axis))
+}
+
 /// What the particles' momentum along `axis` gains through a node in a step, beyond internal forces and gravity. PIC and APIC hand back
 /// m v^{n+1} for the momentum they gave; FLIP hands back m (v^{n+1} - v^n), where v^n is the folded one.
 fn momentum_gain<T: Real, const D: usize>(

@@ -25,6 +25,12 @@ pub(crate) fn update_grid_velocity<T: Real, const D: usize>(
     }
 }
 
+/// v^{n+1} to (v^n + v^{n+1}) / 2 on every node.
+pub(crate) fn back_to_the_middle<T: Real, const D: usize>(grid: &mut Grid<T, D>) {
+    let half = T::of(0.5);
+    grid.motion.iter_mut().for_each(|motion| motion.velocity -= motion.change * half);
+}
+
 /// Kinetic energy of the nodes' sums, p^2 / 2m [J].
 pub(crate) fn kinetic_of_sums<T: Real, const D: usize>(grid: &Grid<T, D>, empty: T) -> f64 {
     let held = grid.sums.iter().filter(|sums| sums.mass > empty);

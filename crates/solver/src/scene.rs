@@ -3,6 +3,7 @@
 use crate::collision::{Collider, Contact};
 use crate::error::SceneError;
 use crate::geometry::{Matrix, Shape, Vector};
+use crate::implicit::krylov::Method;
 use crate::kernel::KernelKind;
 use crate::material::{ConstitutiveModel, Material};
 use crate::math::{determinant, norm_squared};
@@ -84,6 +85,76 @@ pub enum Advection {
     Blended,
 }
 
+/// How nodes come by their velocity at the end of a step (`implicit`).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Integrator {
+    /// By the forces at its beginning (symplectic Euler).
+    #[default]
+    Explicit,
+    /// By a share of the forces at its end, linearised (S13 section 6): first order, damped; stable without a bound from `beta` = 1/2 on.
+    SemiImplicit {
+        /// 0 is the explicit step, 1 backward Euler.
+        beta: f64,
+        /// How its linear system is solved.
+        solve: LinearSolve,
+    },
+    /// By the mean of the forces at both ends, linearised, with positions and deformations moved by the mean of the velocities: second
+    /// order, undamped.
+    Trapezoidal {
+        /// How its linear system is solved.
+        solve: LinearSolve,
+    },
+}
+
+impl Integrator {
+    /// How the linear system is solved, where there is one.
+    pub fn solve(&self) -> Option<&LinearSolve> {
+        match self {
+            Integrator::Explicit => None,
+            Integrator::SemiImplicit { solve, .. } | Integrator::Trapezoidal { solve } => Some(solve),
+        }
+    }
+}
+
+/// How a step's linear system is solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearSolve {
+    /// Krylov method.
+    pub method: Method,
+    /// By what residuals are weighted.
+    pub preconditioner: Preconditioner,
+    /// For the residual over the right side, in the preconditioner's norm: the error of the velocities' change over the step, relative to
+    /// the change in an explicit one.
+    pub tolerance: f64,
+    /// Applications of the operator after which the step is refused.
+    pub max_iterations: u32,
+    /// Whether negative eigenvalues of the particles' Hessians count as 0.
+    pub definite: bool,
+}
+
+/// The least costly stand-in for the system's matrix.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Preconditioner {
+    /// The nodes' masses (S13).
+    Mass,
+    /// Masses and a bound on what the Hessian has on its diagonal, from the stiffness of the particles that reach a node.
+    #[default]
+    Stiffness,
+}
+
+impl Default for LinearSolve {
+    fn default() -> Self {
+        // chosen: docs/integrators.md measures errors and times over tolerances from 1e-1 to 1e-6.
+        LinearSolve {
+            method: Method::default(),
+            preconditioner: Preconditioner::default(),
+            tolerance: 1e-3,
+            max_iterations: 200,
+            definite: false,
+        }
+    }
+}
+
 /// How the step is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepLength {
@@ -142,6 +213,8 @@ pub struct Scene<T: Real, const D: usize> {
     pub kernel: KernelKind,
     /// Velocity transfer.
     pub transfer: Transfer,
+    /// Where nodes get their velocity from.
+    pub integrator: Integrator,
     /// Who takes the steps.
     pub engine: Engine,
     /// Which velocity moves particles.
@@ -175,6 +248,7 @@ impl<T: Real, const D: usize> Scene<T, D> {
             validate_material::<T, D>(material)?;
         }
         validate_transfer(&self.transfer)?;
+        self.validate_integrator()?;
         validate_time_step(&self.time_step)?;
         self.colliders.iter().try_for_each(|collider| self.validate_collider(collider))
     }
@@ -184,6 +258,32 @@ impl<T: Real, const D: usize> Scene<T, D> {
         self.materials
             .iter()
             .any(|material| matches!(material, Material::Snow(snow) if snow.bounds_plastic_ratio()))
+    }
+
+    fn validate_integrator(&self) -> Result<(), SceneError> {
+        match self.integrator {
+            Integrator::Explicit => return Ok(()),
+            Integrator::SemiImplicit { beta, .. } => {
+                require((0.0..=1.0).contains(&beta), "beta", beta, "in [0, 1]")?
+            }
+            Integrator::Trapezoidal { .. } => {
+                let moved = if self.advection == Advection::Interpolated { 0.0 } else { 1.0 };
+                require(
+                    moved == 0.0,
+                    "share of the particles' own velocity in advection",
+                    moved,
+                    "0 with a trapezoidal step",
+                )?;
+            }
+        }
+        let solve = self.integrator.solve().expect("an integrator with a system");
+        require(
+            solve.tolerance > 0.0 && solve.tolerance < 1.0,
+            "tolerance of the solve",
+            solve.tolerance,
+            "in (0, 1)",
+        )?;
+        require(solve.max_iterations > 0, "iterations of the solve", 0.0, "1 or more")
     }
 
     fn validate_collider(&self, collider: &Collider<T, D>) -> Result<(), SceneError> {

@@ -12,7 +12,7 @@ use crate::scene::{Scene, StepLength};
 use crate::sort::sort_by_block;
 use crate::state::State;
 use crate::step::{Workspace, accept, kinetic_on_grid, step};
-use crate::timestep::{meet, step_length, step_length_for};
+use crate::timestep::{StepHistory, meet, step_length, step_length_for};
 use crate::watchdog::{Candidate, Check, StoredEnergy, Verdict, Watchdog};
 
 /// The reference engine's particles are sorted anew after so many steps (chosen: sorting costs as much as a third of a step; in 16 steps few
@@ -192,8 +192,10 @@ impl<T: Real, const D: usize> Simulation<T, D> {
             control.watchdog_interval > 0 && self.state.steps.is_multiple_of(control.watchdog_interval);
         let candidate = checked.then(|| self.candidate());
         let remaining = end - self.state.time;
-        let dt = meet(self.step_length(), remaining);
-        let kinetic = self.step_or_halve(dt, checked)?;
+        let reach = self.step_length();
+        let dt = meet(reach, remaining);
+        let (kinetic, taken) = self.step_or_halve(dt, checked)?;
+        self.state.step_reach = if taken == dt { reach } else { taken };
         // Additions of dt may miss the end by round-off: the last step ends there by definition.
         if dt == remaining && self.state.time != end && (self.state.time - end).abs() <= 1e-9 * dt {
             self.state.time = end;
@@ -206,7 +208,10 @@ impl<T: Real, const D: usize> Simulation<T, D> {
 
     fn step_length(&self) -> f64 {
         match &self.workspace.fast {
-            Some(fast) => step_length_for(&self.scene, self.state.step_factor, fast.fastest()),
+            Some(fast) => {
+                let history = StepHistory { factor: self.state.step_factor, reach: self.state.step_reach };
+                step_length_for(&self.scene, history, fast.fastest())
+            }
             None => step_length(&self.scene, &self.state),
         }
     }
@@ -222,12 +227,12 @@ impl<T: Real, const D: usize> Simulation<T, D> {
         Ok(ledger)
     }
 
-    /// Tries `dt`, then halves of it; the grid's kinetic energy at the beginning of the step [J].
-    fn step_or_halve(&mut self, dt: f64, energies: bool) -> Result<f64, SimulationError> {
+    /// Tries `dt`, then halves of it; the grid's kinetic energy at the beginning of the step [J], and the length that was taken [s].
+    fn step_or_halve(&mut self, dt: f64, energies: bool) -> Result<(f64, f64), SimulationError> {
         let mut tried = dt;
         for halvings in 0.. {
             match self.step(tried, energies) {
-                Ok(ledger) => return Ok(ledger.kinetic_grid_before),
+                Ok(ledger) => return Ok((ledger.kinetic_grid_before, tried)),
                 Err(rejection) => {
                     self.seen.take();
                     self.state.ledger.rejected_steps += 1;

@@ -35,6 +35,8 @@ pub struct State<T: Real, const D: usize> {
     pub first_contact: Option<f64>,
     /// Factor on C_wave; the watchdog halves it.
     pub step_factor: f64,
+    /// The length up to which the latest step was free to go [s], from which an implicit one grows; 0 before the first.
+    pub step_reach: f64,
 }
 
 /// A particle as a sampler or a file gives it.
@@ -101,6 +103,7 @@ impl<T: Real, const D: usize> State<T, D> {
             ledger: Ledger::new(scene.colliders.len()),
             first_contact: None,
             step_factor: 1.0,
+            step_reach: 0.0,
         })
     }
 

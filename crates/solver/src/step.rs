@@ -1,4 +1,4 @@
-//! One explicit step, in the order of S13 section 4.1.
+//! One step, in the order of S13 section 4.1.
 
 use crate::collision::{Contact, Interval, MirrorPlane, collide_grid, collide_particles};
 use crate::deformation::{internal_stress, update_deformation};
@@ -7,12 +7,13 @@ use crate::error::{Rejection, RejectionReason, SceneError};
 use crate::fast::Fast;
 use crate::geometry::{Matrix, Vector, is_zero};
 use crate::grid::Grid;
+use crate::implicit::{Coefficients, Implicit, PlainStep};
 use crate::ledger::StepLedger;
 use crate::mirror::{self, Fold};
-use crate::momentum::{kinetic_of_motion, kinetic_of_sums, update_grid_velocity};
+use crate::momentum::{back_to_the_middle, kinetic_of_motion, kinetic_of_sums, update_grid_velocity};
 use crate::particles::ParticleMotion;
 use crate::real::Real;
-use crate::scene::{Advection, Engine, Scene};
+use crate::scene::{Advection, Engine, Integrator, Scene};
 use crate::state::State;
 use crate::transfer::{
     Gathered, add_body_forces, grid_to_particles, particles_to_grid, place_stencils, transfer_velocity,
@@ -27,8 +28,11 @@ pub struct Workspace<T: Real, const D: usize> {
     stress: Vec<Matrix<T, D>>,
     gathered: Gathered<T, D>,
     next: ParticleMotion<T, D>,
+    /// What the grid tells about the middle of a trapezoidal step.
+    midway: Gathered<T, D>,
     mirrors: Vec<(usize, MirrorPlane)>,
     folds: Vec<Fold<T, D>>,
+    implicit: Implicit<T, D>,
     empty_mass: T,
 }
 
@@ -53,8 +57,10 @@ impl<T: Real, const D: usize> Workspace<T, D> {
         scene.validate()?;
         state.validate(scene)?;
         let fast = match scene.engine {
-            Engine::Fast => Fast::new(scene, threads)?.map(Box::new),
-            Engine::Reference => None,
+            Engine::Fast if scene.integrator == Integrator::Explicit => {
+                Fast::new(scene, threads)?.map(Box::new)
+            }
+            Engine::Fast | Engine::Reference => None,
         };
         let lightest = state.constants.mass.iter().fold(f64::INFINITY, |m, mass| m.min(mass.as_f64()));
         let lightest = if state.is_empty() { 0.0 } else { lightest };
@@ -62,10 +68,12 @@ impl<T: Real, const D: usize> Workspace<T, D> {
             fast,
             grid: Grid::new(scene.spacing),
             stress: Vec::new(),
-            gathered: Gathered { velocity: vec![], change: vec![], gradient: vec![], affine: vec![] },
+            gathered: Gathered::default(),
+            midway: Gathered::default(),
             next: state.motion.like(),
             mirrors: mirror::planes(scene)?,
             folds: Vec::new(),
+            implicit: Implicit::default(),
             empty_mass: T::of(lightest * T::EMPTY_NODE_SHARE),
         })
     }
@@ -95,7 +103,8 @@ pub fn step<T: Real, const D: usize>(
         accept(scene, state, &ledger, dt);
         return Ok(ledger);
     }
-    let Workspace { grid, stress, gathered, next, mirrors, folds, empty_mass, .. } = workspace;
+    let Workspace { grid, stress, gathered, midway, next, mirrors, folds, implicit, empty_mass, .. } =
+        workspace;
     let State { motion, constants, body_acceleration, time, .. } = &mut *state;
     let mut ledger = StepLedger::new(scene.colliders.len());
     let (now, empty, dt_t) = (*time, *empty_mass, T::of(dt));
@@ -109,14 +118,30 @@ pub fn step<T: Real, const D: usize>(
     add_body_forces(scene, motion, constants, body_acceleration, grid);
     mirror::fold(mirrors, grid, &scene.gravity, folds);
     ledger.kinetic_grid_before = kinetic_of_sums(grid, empty);
+    if let Some((coefficients, how)) = Coefficients::and_solve(&scene.integrator, dt) {
+        let step = PlainStep { scene, motion, constants, grid, folds, empty, time: now, dt };
+        let (forces, solution) = implicit.force_change(step, coefficients, how);
+        solution.accept(how, &mut ledger)?;
+        mirror::restore_sums(folds, grid);
+        grid.sums.iter_mut().zip(&forces).for_each(|(sums, force)| sums.force += force);
+        mirror::fold(mirrors, grid, &scene.gravity, folds);
+    }
     update_grid_velocity(grid, &scene.gravity, dt_t, empty, &mut ledger);
     collide_grid(scene, grid, now, empty, &mut ledger);
     mirror::unfold(folds, grid, &scene.gravity, dt_t, T::of(share.unwrap_or(0.0)), &mut ledger);
     ledger.kinetic_grid_after = kinetic_of_motion(grid);
     grid_to_particles(scene, motion, grid, gathered);
-    update_deformation(scene, motion, constants, &gathered.gradient, dt_t, next, &mut ledger)?;
     transfer_velocity(scene, motion, gathered, T::of(share.unwrap_or(0.0)), next);
-    let advecting = advection_velocity(scene, &mut gathered.velocity, &next.velocity);
+    // What moves particles and deforms them: the motion at the end of the step, or in its middle.
+    let mover = if matches!(scene.integrator, Integrator::Trapezoidal { .. }) {
+        back_to_the_middle(grid);
+        grid_to_particles(scene, motion, grid, midway);
+        midway
+    } else {
+        gathered
+    };
+    update_deformation(scene, motion, constants, &mover.gradient, dt_t, next, &mut ledger)?;
+    let advecting = advection_velocity(scene, &mut mover.velocity, &next.velocity);
     let grid_loss = ledger.contact_loss();
     collide_particles(
         scene,
@@ -130,7 +155,7 @@ pub fn step<T: Real, const D: usize>(
     ledger.particle_contact_loss = ledger.contact_loss() - grid_loss;
     ledger.kinetic_particles_after = kinetic_energy(scene, next, constants);
     advect(scene, &motion.position, advecting, dt_t, &mut next.position)
-        .map_err(|(p, reason)| Rejection { particle: constants.id[p], reason })?;
+        .map_err(|(p, reason)| Rejection { particle: Some(constants.id[p]), reason })?;
 
     std::mem::swap(motion, next);
     accept(scene, state, &ledger, dt);

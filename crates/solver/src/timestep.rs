@@ -4,8 +4,12 @@ use crate::geometry::Vector;
 use crate::kernel::KernelKind;
 use crate::material::ConstitutiveModel;
 use crate::real::Real;
-use crate::scene::{Scene, StepLength, Transfer};
+use crate::scene::{Integrator, Scene, StepLength, Transfer};
 use crate::state::State;
+
+/// By how much an implicit step may be longer than the one before (chosen: from the explicit limit to twenty times it in eight steps; after a
+/// halving it takes two to try the refused length again).
+const GROWTH: f64 = 1.5;
 
 /// The largest dt max_p c_p / h at which the explicit step is stable for a particle on its own, the least stable placement there is;
 /// c_p^2 = (2 mu + D lambda) V / m. 2 / sqrt(2 g - k): g = max sum_i |dw/dx|^2 / w on one axis bounds the grid's frequency, k is the
@@ -49,30 +53,42 @@ pub fn step_length<T: Real, const D: usize>(scene: &Scene<T, D>, state: &State<T
         StepLength::Fixed(dt) => dt,
         StepLength::Adaptive { .. } => {
             let wave = fastest_wave_squared(scene, state);
-            step_length_for(
-                scene,
-                state.step_factor,
-                [wave, fastest_particle_squared(&state.motion.velocity)],
-            )
+            let history = StepHistory { factor: state.step_factor, reach: state.step_reach };
+            step_length_for(scene, history, [wave, fastest_particle_squared(&state.motion.velocity)])
         }
     }
+}
+
+/// What earlier steps say of the next one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StepHistory {
+    /// The watchdog's factor.
+    pub factor: f64,
+    /// The length up to which the latest step was free to go [s]; 0 before the first.
+    pub reach: f64,
 }
 
 /// [`step_length`] from max c_p^2 and max |v_p|^2 [m^2/s^2].
 pub(crate) fn step_length_for<T: Real, const D: usize>(
     scene: &Scene<T, D>,
-    step_factor: f64,
+    history: StepHistory,
     fastest_squared: [T; 2],
 ) -> f64 {
     match scene.time_step.length {
         StepLength::Fixed(dt) => dt,
         StepLength::Adaptive { wave, advection, greatest } => {
             let h = scene.spacing.as_f64();
-            let courant =
-                wave.unwrap_or_else(|| 0.5 * wave_limit(scene.kernel, scene.transfer)) * step_factor;
+            let explicit = 0.5 * wave_limit(scene.kernel, scene.transfer);
             let [wave_speed, speed] = fastest_squared.map(|squared| squared.as_f64().sqrt());
+            let of_wave = |courant: f64| courant * history.factor * h / wave_speed;
             // A speed of 0 gives an infinite limit, which `greatest` bounds.
-            (courant * h / wave_speed).min(advection * h / speed).min(greatest)
+            let bound = (advection * h / speed).min(greatest);
+            if scene.integrator == Integrator::Explicit {
+                return bound.min(of_wave(wave.unwrap_or(explicit)));
+            }
+            let bound = wave.map_or(bound * history.factor, |courant| bound.min(of_wave(courant)));
+            let first = of_wave(explicit);
+            bound.min(if history.reach > 0.0 { GROWTH * history.reach } else { first })
         }
     }
 }

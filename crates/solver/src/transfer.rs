@@ -45,6 +45,8 @@ macro_rules! for_kernel_and_transfer {
     };
 }
 
+pub(crate) use for_kernel_and_transfer;
+
 /// Stage 0 of a step: the nodes that particles reach.
 pub(crate) fn place_stencils<T: Real, const D: usize>(
     scene: &Scene<T, D>,

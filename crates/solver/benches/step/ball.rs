@@ -2,8 +2,8 @@
 
 use snowlab_solver::geometry::{Matrix, Vector, unit};
 use snowlab_solver::{
-    Advection, Collider, Contact, Engine, InitialParticle, KernelKind, Lame, Material, Real, Scene, Shape,
-    Snow, State, TimeStepControl, Transfer,
+    Advection, Collider, Contact, Engine, InitialParticle, Integrator, KernelKind, Lame, Material, Real,
+    Scene, Shape, Snow, State, TimeStepControl, Transfer,
 };
 
 /// [m].
@@ -79,6 +79,7 @@ impl Ball {
             kernel: self.kernel,
             transfer: self.transfer,
             engine: Engine::Fast,
+            integrator: Integrator::Explicit,
             advection: Advection::Interpolated,
             // S13, table 2.
             materials: vec![Material::Snow(Snow {

@@ -171,7 +171,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
             report
         });
         if let Some((particle, reason)) = reports.iter().find_map(|report| report.rejection) {
-            return Err(Rejection { particle, reason });
+            return Err(Rejection { particle: Some(particle), reason });
         }
         (self.fastest_wave_squared, self.fastest_squared, self.kinetic) = (T::zero(), T::zero(), 0.0);
         let grid_loss = ledger.contact_loss();

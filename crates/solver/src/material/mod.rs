@@ -3,9 +3,11 @@
 
 mod elastic;
 mod snow;
+mod tangent;
 
 pub use elastic::Elastic;
 pub use snow::Snow;
+pub use tangent::Tangent;
 
 use crate::geometry::{Matrix, Vector};
 use crate::math::{cofactor, determinant, norm_squared, polar_rotation};

@@ -1,8 +1,8 @@
 //! Numerics and materials.
 
 use snowlab_solver::{
-    Advection, Elastic, Engine, FlipShare, KernelKind, Lame, Material, Real, Scene, Snow, StepLength,
-    TimeStepControl, Transfer, Vector,
+    Advection, Elastic, Engine, FlipShare, Integrator, KernelKind, Lame, Material, Real, Scene, Snow,
+    StepLength, TimeStepControl, Transfer, Vector,
 };
 
 use crate::spec::SpecError;
@@ -23,6 +23,7 @@ pub(super) fn scene<T: Real, const D: usize>(
         spacing: T::of(n.spacing),
         kernel: kernel(n.kernel),
         transfer: transfer(n),
+        integrator: Integrator::Explicit,
         engine: engine(n.engine),
         advection: match n.advection {
             AdvectionName::Interpolated => Advection::Interpolated,

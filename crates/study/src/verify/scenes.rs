@@ -5,8 +5,8 @@ use std::ops::Range;
 use snowlab_solver::collision::{Collider, Contact};
 use snowlab_solver::geometry::{Matrix, Shape, Vector, unit};
 use snowlab_solver::{
-    Advection, Elastic, Engine, FlipShare, InitialParticle, KernelKind, Lame, Material, Real, Scene, Snow,
-    State, StepLength, TimeStepControl, Transfer,
+    Advection, Elastic, Engine, FlipShare, InitialParticle, Integrator, KernelKind, Lame, Material, Real,
+    Scene, Snow, State, StepLength, TimeStepControl, Transfer,
 };
 
 /// Young's modulus of S13's snow [Pa] (table 2).
@@ -70,6 +70,7 @@ pub fn scene<T: Real, const D: usize>(
         kernel,
         transfer,
         engine: Engine::default(),
+        integrator: Integrator::Explicit,
         advection: Advection::Interpolated,
         materials: vec![material],
         colliders: Vec::new(),

@@ -1,0 +1,97 @@
+//! The semi-implicit step (S13 section 6): forces at the end of the step, linearised about its beginning, instead of forces at its
+//! beginning.
+//!
+//! With the grid's Hessian H of the elastic energy at F_E^n, the velocities v^n that particles give the nodes, and their explicit
+//! change dt (f / m + g), the change D over the step solves
+//!
+//! ```text
+//! (M + c H) D = dt (f + M g) - s H v^n
+//!     c = s = beta dt^2             semi-implicit; the same as S13's (M + beta dt^2 H) v^{n+1} = M v*
+//!     c = dt^2 / 4, s = dt^2 / 2    trapezoidal: (M + dt^2/4 H) v^{n+1} = M v^n + dt (f + M g) - dt^2/4 H v^n
+//! ```
+//!
+//! Written for the change, the system does not feel a motion of the whole, its right side vanishes in equilibrium, and the guess D = 0 is the last
+//! step's solution, carried over by the particles. What comes of it is a force: f - (s H v^n + c H D) / dt takes the place of f, and the
+//! rest of the step, contact with friction and mirrors included, goes on as an explicit one does. So momentum is kept to round-off however
+//! coarsely the system was solved, and Coulomb's law sees the whole normal impulse, the solver's reaction included.
+//!
+//! Nodes that an obstacle holds keep their velocity along its normal (all of it where they stick) during the solve. Where it would have to pull
+//! at one that may leave, the node is released and the system solved again.
+
+mod constraint;
+pub mod krylov;
+mod operator;
+mod plain;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use constraint::{Held, Released, held_nodes, release};
+pub use krylov::{LinearSystem, Method, Solution};
+pub(crate) use plain::{Implicit, PlainStep};
+
+use crate::error::{Rejection, RejectionReason};
+use crate::ledger::StepLedger;
+use crate::real::Real;
+use crate::scene::{Integrator, LinearSolve};
+
+/// What makes a preconditioner's share of a node from its stiffness sum w V (lambda + 2 mu) [J]: P = m + c STIFFNESS_SHARE / h^2 of it.
+/// chosen: the least iterations of 0.25, 0.5, 1, 2 and 4 on the scenes of docs/integrators.md.
+pub(crate) const STIFFNESS_SHARE: f64 = 1.0;
+
+/// c and s of a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Coefficients {
+    /// Of H D [s^2].
+    pub of_change: f64,
+    /// Of H v^n [s^2].
+    pub of_start: f64,
+}
+
+impl Coefficients {
+    /// Of a step of `dt` [s]; `None` where it is explicit.
+    pub fn of(integrator: &Integrator, dt: f64) -> Option<Self> {
+        match *integrator {
+            Integrator::Explicit => None,
+            Integrator::SemiImplicit { beta: 0.0, .. } => None,
+            Integrator::SemiImplicit { beta, .. } => {
+                let both = beta * dt * dt;
+                Some(Coefficients { of_change: both, of_start: both })
+            }
+            Integrator::Trapezoidal { .. } => {
+                Some(Coefficients { of_change: 0.25 * dt * dt, of_start: 0.5 * dt * dt })
+            }
+        }
+    }
+}
+
+impl Coefficients {
+    /// Of a step of `dt` [s], with how its system is solved; `None` where there is none.
+    pub fn and_solve(integrator: &Integrator, dt: f64) -> Option<(Self, &LinearSolve)> {
+        Some((Self::of(integrator, dt)?, integrator.solve()?))
+    }
+}
+
+impl Solution {
+    /// Books the solve in its step.
+    ///
+    /// # Errors
+    /// A solve that has not converged.
+    pub(crate) fn accept<const D: usize>(
+        self,
+        how: &LinearSolve,
+        ledger: &mut StepLedger<D>,
+    ) -> Result<(), Rejection> {
+        ledger.solve = self;
+        if self.converged {
+            return Ok(());
+        }
+        let Solution { iterations, residual, .. } = self;
+        let reason = RejectionReason::NotConverged { iterations, residual, tolerance: how.tolerance };
+        Err(Rejection { particle: None, reason })
+    }
+}
+
+/// The preconditioner's entry of a node of mass `m` whose stiffness is `stiffness`: see [`STIFFNESS_SHARE`].
+pub(crate) fn weighted<T: Real>(m: T, stiffness: T, c: f64, spacing: T) -> T {
+    m + stiffness * (T::of(c * STIFFNESS_SHARE) / (spacing * spacing))
+}
