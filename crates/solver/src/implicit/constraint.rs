@@ -59,6 +59,11 @@ impl<T: Real, const D: usize> Held<T, D> {
         self.free -= direction * direction.transpose();
     }
 
+    /// The known part of the change from the velocity `v` [m/s].
+    pub fn change_from(&self, v: &Vector<T, D>) -> Vector<T, D> {
+        self.velocity - (v - self.free * v)
+    }
+
     fn hold_all(&mut self, velocity: &Vector<T, D>) {
         self.velocity += self.free * velocity;
         self.free = Matrix::zeros();

@@ -26,6 +26,7 @@ mod plain;
 mod tests;
 
 pub(crate) use constraint::{Held, Released, held_nodes, release};
+use krylov::Goal;
 pub use krylov::{LinearSystem, Method, Solution};
 pub(crate) use plain::{Implicit, PlainStep};
 
@@ -88,6 +89,64 @@ impl Solution {
         let Solution { iterations, residual, .. } = self;
         let reason = RejectionReason::NotConverged { iterations, residual, tolerance: how.tolerance };
         Err(Rejection { particle: None, reason })
+    }
+}
+
+/// The linear system of a step, as an engine keeps it. Fields are vectors with an entry for every node, 0 where it counts as empty.
+pub(crate) trait StepSystem: LinearSystem {
+    /// v^n [m/s].
+    fn start(&self) -> Self::Vector;
+    /// dt (f + M g) [kg m/s].
+    fn pushed(&self) -> Self::Vector;
+    /// `out` = H u as particles see it: nodes beyond mirrors have forces of their own.
+    fn hessian(&mut self, u: &Self::Vector, out: &mut Self::Vector);
+    /// As [`StepSystem::hessian`], with what falls on nodes beyond mirrors folded back.
+    fn folded_hessian(&mut self, u: &Self::Vector, out: &mut Self::Vector);
+    /// `out` = (M + c H) u, folded.
+    fn matrix(&mut self, u: &Self::Vector, out: &mut Self::Vector);
+    /// Has obstacles hold the nodes that they would stop in an explicit step, but for those `released`; the part of the change of velocity that
+    /// is known by that, where there is any.
+    fn hold(&mut self, released: &Released) -> Option<Self::Vector>;
+    /// Takes out what is held.
+    fn project(&self, u: &mut Self::Vector);
+    /// Releases the nodes that obstacles would have to pull at for them to change by `change`, where `image` is the Hessian's share of it; whether
+    /// there are any.
+    fn release(&self, change: &Self::Vector, image: &Self::Vector, released: &mut Released) -> bool;
+}
+
+/// What the step's forces change by, times - dt: s H v^n + c H D as particles see it; and how the solve ended.
+pub(crate) fn solve_step<S: StepSystem>(
+    system: &mut S,
+    coefficients: Coefficients,
+    how: &LinearSolve,
+) -> (S::Vector, Solution) {
+    let Coefficients { of_change: c, of_start: s } = coefficients;
+    let goal = Goal { tolerance: how.tolerance, max_iterations: how.max_iterations };
+    let (start, mut asked) = (system.start(), system.pushed());
+    let mut image = start.clone();
+    system.folded_hessian(&start, &mut image);
+    system.combine(-s, &image, 1.0, &mut asked);
+    let mut released = Released::new();
+    let mut iterations = 0;
+    loop {
+        let known = system.hold(&released);
+        let mut right = asked.clone();
+        if let Some(known) = &known {
+            system.matrix(known, &mut image);
+            system.combine(-1.0, &image, 1.0, &mut right);
+        }
+        system.project(&mut right);
+        let (mut change, solution) = krylov::solve(system, how.method, &right, goal, |_| ());
+        iterations += solution.iterations;
+        if let Some(known) = &known {
+            system.combine(1.0, known, 1.0, &mut change);
+        }
+        let mut moved = start.clone();
+        system.combine(c, &change, s, &mut moved);
+        system.hessian(&moved, &mut image);
+        if !system.release(&change, &image, &mut released) {
+            return (image, Solution { iterations, ..solution });
+        }
     }
 }
 
