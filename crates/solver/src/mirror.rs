@@ -2,6 +2,8 @@
 //! reversed, and the motion is reflected out again, so that the material sees its own mirror image. Nodes on the plane keep their
 //! own sums and do not move along its normal.
 
+use std::ops::IndexMut;
+
 use crate::collision::{Contact, MirrorPlane};
 use crate::error::SceneError;
 use crate::geometry::{Vector, unit};
@@ -137,25 +139,33 @@ pub(crate) fn restore_sums<T: Real, const D: usize>(folds: &[Fold<T, D>], grid: 
 }
 
 /// Sets a field of velocities beyond the planes to its mirror image, and its normal component on them to 0.
-pub(crate) fn reflect_out<T: Real, const D: usize>(folds: &[Fold<T, D>], field: &mut [Vector<T, D>]) {
+pub(crate) fn reflect_out<V, T: Real, const D: usize>(folds: &[Fold<T, D>], field: &mut [V])
+where
+    V: Copy + IndexMut<usize, Output = T>,
+{
     for fold in folds.iter().rev() {
         if fold.outer == fold.inner {
             field[fold.inner][fold.axis] = T::zero();
         } else {
-            field[fold.outer] = reflect(&field[fold.inner], fold.axis);
+            field[fold.outer] = field[fold.inner];
+            field[fold.outer][fold.axis] = -field[fold.inner][fold.axis];
         }
     }
 }
 
 /// Folds a field of forces onto the material's side: the transpose of [`reflect_out`].
-pub(crate) fn fold_in<T: Real, const D: usize>(folds: &[Fold<T, D>], field: &mut [Vector<T, D>]) {
+pub(crate) fn fold_in<V, T: Real, const D: usize>(folds: &[Fold<T, D>], field: &mut [V])
+where
+    V: IndexMut<usize, Output = T>,
+{
     for fold in folds {
         if fold.outer == fold.inner {
             field[fold.inner][fold.axis] = T::zero();
-        } else {
-            let image = reflect(&field[fold.outer], fold.axis);
-            field[fold.inner] += image;
-            field[fold.outer] = Vector::zeros();
+            continue;
+        }
+        for k in 0..D {
+            let image = std::mem::replace(&mut field[fold.outer][k], T::zero());
+            field[fold.inner][k] += if k == fold.axis { -image } else { image };
         }
     }
 }

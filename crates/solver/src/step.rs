@@ -57,7 +57,7 @@ impl<T: Real, const D: usize> Workspace<T, D> {
         scene.validate()?;
         state.validate(scene)?;
         let fast = match scene.engine {
-            Engine::Fast if scene.integrator == Integrator::Explicit => {
+            Engine::Fast if !matches!(scene.integrator, Integrator::Trapezoidal { .. }) => {
                 Fast::new(scene, threads)?.map(Box::new)
             }
             Engine::Fast | Engine::Reference => None,

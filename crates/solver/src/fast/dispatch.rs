@@ -7,6 +7,7 @@ use super::batch::Scratch;
 use super::energy;
 use super::gather;
 use super::grid::Node;
+use super::hessian::{self, Linearisation};
 use super::material::MaterialNumbers;
 use super::nodes::{self, NodeEnergies, Push};
 use super::particles::{Block, Label, Layout, Particles};
@@ -121,6 +122,25 @@ for_each_set!(
     ) -> () = gather::gather_block
 );
 for_each_set!(
+    fn hessian[T: Real, K: LaneKernel, const D: usize, const MOMENTS: bool, const SLOPES: bool][T, K, D, MOMENTS, SLOPES](
+        particles: &Particles<T, D>,
+        tangents: &[[T; CHUNK]],
+        block: &Block<D>,
+        per_spacing: T,
+        scratch: &mut Scratch<T>,
+    ) -> () = hessian::hessian_block
+);
+for_each_set!(
+    fn linearise[T: Real, const D: usize][T, D](
+        fields: &[[T; CHUNK]],
+        labels: &[[Label; CHUNK]],
+        layout: Layout<D>,
+        materials: &[MaterialNumbers<T>],
+        how: &Linearisation<T>,
+        tangents: &mut [[T; CHUNK]],
+    ) -> () = hessian::linearise
+);
+for_each_set!(
     fn locate_by[T: Real, K: LaneKernel, const D: usize][T, K, D](
         per_spacing: T,
         layout: Layout<D>,
@@ -204,6 +224,18 @@ pub(super) struct Kernels<T: Real, const D: usize> {
     ),
     /// [`sort::locate`].
     pub locate: fn(Set, &Scene<T, D>, Layout<D>, &Block<D>, &[[T; CHUNK]], &mut [[Course; CHUNK]]),
+    /// [`hessian::hessian_block`].
+    pub hessian_block: fn(Set, &Scene<T, D>, &Particles<T, D>, &[[T; CHUNK]], usize, &mut Scratch<T>),
+    /// [`hessian::linearise`].
+    pub linearise: fn(
+        Set,
+        &[[T; CHUNK]],
+        &[[Label; CHUNK]],
+        Layout<D>,
+        &[MaterialNumbers<T>],
+        &Linearisation<T>,
+        &mut [[T; CHUNK]],
+    ),
     /// [`nodes::push_nodes`].
     pub push_nodes:
         fn(Set, &Push<T, D>, &[Node<T>], &[Node<T>], &mut [Node<T>], &mut [Node<T>]) -> NodeEnergies,
@@ -227,6 +259,8 @@ impl<T: Real, const D: usize> Kernels<T, D> {
             scatter_block: scatter_block::<T, D>,
             gather_block: gather_block::<T, D>,
             locate: locate::<T, D>,
+            hessian_block: hessian_block::<T, D>,
+            linearise: linearise::<T, D>,
             push_nodes: push::<T, D>,
             kinetic_energy: kinetic::<T, D>,
             stored_energy: energy::<T, D>,
@@ -268,6 +302,31 @@ fn gather_block<T: Real, const D: usize>(
     report: &mut BlockReport<T, D>,
 ) {
     for_kernel_and_terms!(update.scene, gather, set, update, layout, block, fields, labels, scratch, report)
+}
+
+fn hessian_block<T: Real, const D: usize>(
+    set: Set,
+    scene: &Scene<T, D>,
+    particles: &Particles<T, D>,
+    tangents: &[[T; CHUNK]],
+    home: usize,
+    scratch: &mut Scratch<T>,
+) {
+    let (block, per_spacing) = (&particles.blocks[home], T::one() / scene.spacing);
+    match (scene.kernel, scene.transfer) {
+        (KernelKind::Cubic, Transfer::Mls) => {
+            hessian::<T, Cubic, D, true, false>(set, particles, tangents, block, per_spacing, scratch)
+        }
+        (KernelKind::Cubic, _) => {
+            hessian::<T, Cubic, D, false, true>(set, particles, tangents, block, per_spacing, scratch)
+        }
+        (KernelKind::Quadratic, Transfer::Mls) => {
+            hessian::<T, Quadratic, D, true, false>(set, particles, tangents, block, per_spacing, scratch)
+        }
+        (KernelKind::Quadratic, _) => {
+            hessian::<T, Quadratic, D, false, true>(set, particles, tangents, block, per_spacing, scratch)
+        }
+    }
 }
 
 fn locate<T: Real, const D: usize>(

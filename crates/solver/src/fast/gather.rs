@@ -95,7 +95,7 @@ pub(super) fn gather_block<
 /// Tells the batch's particles what their nodes in the tile say: group 0 the sum of w times the channels, then for each axis that sum with
 /// w's factor of the axis replaced by its slope, and then by its moment.
 #[inline(always)]
-fn gather_batch<
+pub(super) fn gather_batch<
     I: InstructionSet<T>,
     T: Real,
     K: LaneKernel,

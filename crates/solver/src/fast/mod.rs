@@ -14,6 +14,8 @@ mod dispatch;
 mod energy;
 mod gather;
 mod grid;
+mod hessian;
+mod implicit;
 mod material;
 mod nodes;
 mod particles;

@@ -14,10 +14,10 @@ use crate::real::Real;
 /// Group of a particle's values: momentum and mass.
 const VALUE: usize = 0;
 /// First groups of what goes with moments, and with slopes.
-const MOMENT: usize = 1;
-const SLOPE: usize = 4;
+pub(super) const MOMENT: usize = 1;
+pub(super) const SLOPE: usize = 4;
 /// Group of its own force.
-const OWN_FORCE: usize = 7;
+pub(super) const OWN_FORCE: usize = 7;
 
 /// What a step asks of the transfers.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +28,8 @@ pub(super) struct Terms<T> {
     pub inverse_inertia: T,
     /// Whether nodes keep forces apart from momentum.
     pub apart: bool,
+    /// Whether, beside forces, nodes are given their particles' stiffness w V (lambda + 2 mu) [J].
+    pub stiffness: bool,
 }
 
 /// Fills in what the particles of `chunks` chunks give. With their impulse over the step where forces are not kept apart: MLS, which takes
@@ -72,6 +74,12 @@ fn give<I: InstructionSet<T>, T: Real, const D: usize, const MOMENTS: bool, cons
                 }
             }
             value[D] = mass;
+            if terms.stiffness {
+                let moduli = material.moduli::<I::Lanes>(lane);
+                own[D] = (moduli.lambda + moduli.mu + moduli.mu)
+                    * I::Lanes::load(field(Layout::<D>::VOLUME))
+                    * I::Lanes::load(field(Layout::<D>::STIFFNESS));
+            }
             I::Lanes::store_channels(value, &mut given[VALUE * CHANNELS..], GIVEN);
             if terms.apart {
                 I::Lanes::store_channels(own, &mut given[OWN_FORCE * CHANNELS..], GIVEN);
@@ -144,7 +152,7 @@ pub(super) fn scatter_block<
         if !terms.apart {
             scatter_batch::<I, T, K, D, MOMENTS, SLOPES>(batch, count, [VALUE, MOMENT, SLOPE], tile, next);
         } else if D == 2 {
-            let forced = particles.layout.forced();
+            let forced = particles.layout.forced() || terms.stiffness;
             scatter_planar::<I, T, K, D, MOMENTS, SLOPES>(batch, count, forced, [tile, second_tile], next);
         } else {
             // Forces go with slopes, or with MLS's moments.
@@ -175,7 +183,7 @@ pub(super) fn scatter_block<
 /// with w's factor of that axis replaced by its moment, or by its slope. Particles of one cell follow one another and are added up in
 /// registers.
 #[inline(always)]
-fn scatter_batch<
+pub(super) fn scatter_batch<
     I: InstructionSet<T>,
     T: Real,
     K: LaneKernel,

@@ -15,7 +15,7 @@ use crate::error::Rejection;
 use crate::geometry::Vector;
 use crate::ledger::StepLedger;
 use crate::real::Real;
-use crate::scene::Scene;
+use crate::scene::{Preconditioner, Scene};
 use crate::watchdog::StoredEnergy;
 
 /// Blocks of nodes that a task takes at least (chosen: a thousand nodes are long beside the cost of handing out a task).
@@ -32,6 +32,11 @@ impl<T: Real, const D: usize> Fast<T, D> {
             dt,
             inverse_inertia: T::of(scene.kernel.inverse_inertia()),
             apart,
+            stiffness: apart
+                && scene
+                    .integrator
+                    .solve()
+                    .is_some_and(|solve| solve.preconditioner == Preconditioner::Stiffness),
         };
         let (mut sums, mut forces) =
             (std::mem::take(&mut self.grid.sums), std::mem::take(&mut self.grid.forces));

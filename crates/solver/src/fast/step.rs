@@ -7,10 +7,12 @@ use super::grid::Node;
 use super::material::MaterialNumbers;
 use super::particles::Particles;
 use super::pool::Pool;
+use super::simd::CHUNK;
 use crate::collision::{Interval, MirrorPlane};
 use crate::diagnostics;
 use crate::error::{Rejection, SceneError};
 use crate::geometry::Vector;
+use crate::implicit::Coefficients;
 use crate::ledger::StepLedger;
 use crate::mirror::{self, Fold};
 use crate::real::Real;
@@ -48,7 +50,7 @@ pub(crate) struct Fast<T: Real, const D: usize> {
     loaded: bool,
     pub(super) materials: Vec<MaterialNumbers<T>>,
     pub(super) mirrors: Vec<(usize, MirrorPlane)>,
-    folds: Vec<Fold<T, D>>,
+    pub(super) folds: Vec<Fold<T, D>>,
     /// A node of no more mass counts as empty [kg].
     pub(super) empty: T,
     pub(super) particles: Particles<T, D>,
@@ -59,6 +61,8 @@ pub(crate) struct Fast<T: Real, const D: usize> {
     /// Steps since the last sort that cannot be taken again.
     since_sort: usize,
     pub(super) grid: BlockGrid<T, D>,
+    /// Of the particles in an implicit step, see `hessian.rs`.
+    pub(super) tangents: Vec<[T; CHUNK]>,
     pub(super) strayed: bool,
     /// Kinetic energy of the particles [J].
     pub(super) kinetic: f64,
@@ -87,6 +91,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
             taken: Vec::new(),
             since_sort: 0,
             grid: BlockGrid::default(),
+            tangents: Vec::new(),
             strayed: false,
             kinetic: 0.0,
             fastest_wave_squared: T::zero(),
@@ -160,7 +165,10 @@ impl<T: Real, const D: usize> Fast<T, D> {
 
     /// Bytes of particles and grid in store.
     pub fn bytes(&self) -> usize {
-        self.particles.bytes() + self.before.bytes() + self.grid.bytes()
+        self.particles.bytes()
+            + self.before.bytes()
+            + self.grid.bytes()
+            + std::mem::size_of_val(&self.tangents[..])
     }
 
     /// Sorts `before` into `particles` and places the grid round them.
@@ -190,8 +198,11 @@ impl<T: Real, const D: usize> Fast<T, D> {
         dt: f64,
         energies: bool,
     ) -> Result<StepLedger<D>, Rejection> {
-        let apart =
-            energies || scene.energy_budget || !scene.transfer.keeps_affine() || !self.mirrors.is_empty();
+        let apart = energies
+            || scene.energy_budget
+            || !scene.transfer.keeps_affine()
+            || !self.mirrors.is_empty()
+            || Coefficients::of(&scene.integrator, dt).is_some();
         let step = Taken { time, dt, apart };
         self.pool.clone().enter(|| {
             self.sort_if_due(scene);
@@ -224,6 +235,9 @@ impl<T: Real, const D: usize> Fast<T, D> {
 
         self.particles_to_grid(scene, dt_t, apart);
         mirror::fold(&self.mirrors, &mut self.grid, &scene.gravity, &mut self.folds);
+        if let Some((coefficients, how)) = Coefficients::and_solve(&scene.integrator, dt) {
+            self.add_implicit_forces(scene, coefficients, how, [time, dt], &mut ledger)?;
+        }
         self.push_nodes(scene, Some(time), dt_t, apart, &mut ledger);
         mirror::unfold(&self.folds, &mut self.grid, &scene.gravity, dt_t, share_t, &mut ledger);
         if apart && !self.mirrors.is_empty() {

@@ -218,7 +218,7 @@ fn large_stretch<T: Real, V: Lanes<T>, const D: usize>(e: &Matrix<V, D>) -> Matr
 
 /// (1 + e)^(1/2) - 1.
 #[inline(always)]
-fn root_less_one<T: Real, V: Lanes<T>>(e: V) -> V {
+pub(super) fn root_less_one<T: Real, V: Lanes<T>>(e: V) -> V {
     let one = V::splat(T::one());
     e / (one + (one + e).max(V::splat(T::zero())).sqrt())
 }
@@ -328,15 +328,15 @@ pub(super) fn flow<T: Real, V: Lanes<T>, const D: usize>(
 }
 
 /// Eigenvalues and, as columns, eigenvectors of a symmetric matrix.
-struct Spectrum<V, const D: usize> {
-    values: [V; D],
-    vectors: Matrix<V, D>,
+pub(super) struct Spectrum<V, const D: usize> {
+    pub values: [V; D],
+    pub vectors: Matrix<V, D>,
 }
 
 /// Cyclic Jacobi (Golub & Van Loan, Matrix Computations, section 8.5.3). What has converged in a particle is left alone, so that the
 /// others in the register have no say in it.
 #[inline(always)]
-fn spectrum<T: Real, V: Lanes<T>, const D: usize>(matrix: &Matrix<V, D>) -> Spectrum<V, D> {
+pub(super) fn spectrum<T: Real, V: Lanes<T>, const D: usize>(matrix: &Matrix<V, D>) -> Spectrum<V, D> {
     let (zero, one) = (V::splat(T::zero()), V::splat(T::one()));
     let mut m = *matrix;
     let mut vectors = [[zero; D]; D];
@@ -397,7 +397,10 @@ fn spectrum<T: Real, V: Lanes<T>, const D: usize>(matrix: &Matrix<V, D>) -> Spec
 
 /// Q diag(values) Q^T.
 #[inline(always)]
-fn recompose<T: Real, V: Lanes<T>, const D: usize>(q: &Matrix<V, D>, values: &[V; D]) -> Matrix<V, D> {
+pub(super) fn recompose<T: Real, V: Lanes<T>, const D: usize>(
+    q: &Matrix<V, D>,
+    values: &[V; D],
+) -> Matrix<V, D> {
     let mut m = *q;
     for i in 0..D {
         for j in i..D {
