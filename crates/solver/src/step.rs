@@ -57,10 +57,8 @@ impl<T: Real, const D: usize> Workspace<T, D> {
         scene.validate()?;
         state.validate(scene)?;
         let fast = match scene.engine {
-            Engine::Fast if !matches!(scene.integrator, Integrator::Trapezoidal { .. }) => {
-                Fast::new(scene, threads)?.map(Box::new)
-            }
-            Engine::Fast | Engine::Reference => None,
+            Engine::Fast => Fast::new(scene, threads)?.map(Box::new),
+            Engine::Reference => None,
         };
         let lightest = state.constants.mass.iter().fold(f64::INFINITY, |m, mass| m.min(mass.as_f64()));
         let lightest = if state.is_empty() { 0.0 } else { lightest };

@@ -15,6 +15,8 @@ pub(super) const TOLD_VELOCITY: usize = 0;
 pub(super) const TOLD_FIRST: usize = 1;
 pub(super) const TOLD_SECOND: usize = 4;
 pub(super) const TOLD_CHANGE: usize = 4;
+/// Of a trapezoidal step, whose other groups tell of its middle: the velocity at its end, and by axis C.
+pub(super) const TOLD_END: usize = 4;
 
 /// What some particles of a batch, side by side, were told.
 #[derive(Clone, Copy)]
@@ -48,7 +50,7 @@ impl<'a, T: Real> Told<'a, T> {
 }
 
 /// Stages 6 to 9 for the particles of a block, from the nodes' motion in the tile (and its change over the step in the second tile, in 3D
-/// FLIP).
+/// FLIP; in a trapezoidal step from that in its middle, and at its end in the second tile).
 #[inline(always)]
 pub(super) fn gather_block<
     I: InstructionSet<T>,
@@ -78,15 +80,24 @@ pub(super) fn gather_block<
         let count = labels.len() * CHUNK;
         let batch = &mut scratch.batch;
         weigh::<I, T, K, D, MOMENTS, SLOPES>(batch, block, fields, stride, per_spacing);
-        gather_batch::<I, T, K, D, MOMENTS, SLOPES>(batch, count, TOLD_VELOCITY, &scratch.tile, next);
-        if D == 3 && update.share.is_some() {
-            gather_batch::<I, T, K, D, false, false>(
-                batch,
-                count,
-                TOLD_CHANGE,
-                &scratch.second_tile,
-                Next::NOTHING,
-            );
+        let Scratch { tile, second_tile, batch } = scratch;
+        if update.midway {
+            let nothing = Next::NOTHING;
+            if SLOPES {
+                gather_batch::<I, T, K, D, false, true>(batch, count, TOLD_VELOCITY, tile, next);
+            } else {
+                gather_batch::<I, T, K, D, true, false>(batch, count, TOLD_VELOCITY, tile, next);
+            }
+            if MOMENTS {
+                gather_batch::<I, T, K, D, true, false>(batch, count, TOLD_END, second_tile, nothing);
+            } else {
+                gather_batch::<I, T, K, D, false, false>(batch, count, TOLD_END, second_tile, nothing);
+            }
+        } else {
+            gather_batch::<I, T, K, D, MOMENTS, SLOPES>(batch, count, TOLD_VELOCITY, tile, next);
+        }
+        if D == 3 && update.share.is_some() && !update.midway {
+            gather_batch::<I, T, K, D, false, false>(batch, count, TOLD_CHANGE, second_tile, Next::NOTHING);
         }
         update_batch::<I, T, K, D, MOMENTS, SLOPES>(update, scratch, layout, block, fields, labels, report);
     }

@@ -58,6 +58,8 @@ pub(crate) struct BlockGrid<T: Real, const D: usize> {
     pub motion: Vec<Node<T>>,
     /// Change of velocity over the step in 3D.
     pub change: Vec<Node<T>>,
+    /// Velocity in the middle of a trapezoidal step.
+    pub middle: Vec<Node<T>>,
     /// For each block of particles the blocks from -1 to +1 on each axis, the last axis fastest.
     neighbours: Vec<[u32; NEIGHBOURS]>,
     /// The blocks of particles in the order in which their tiles are added up: colour by colour, a colour being blocks whose tiles have no
@@ -121,6 +123,19 @@ impl<T: Real, const D: usize> BlockGrid<T, D> {
         if apart {
             self.forces.resize(nodes, zero);
             self.change.resize(if D == 3 { nodes } else { 0 }, zero);
+        }
+    }
+
+    /// Finds the velocities in the middle of the step, of nodes that keep its change.
+    pub fn meet_midway(&mut self) {
+        self.middle.clone_from(&self.motion);
+        let half = T::of(0.5);
+        for (index, middle) in self.middle.iter_mut().enumerate() {
+            let NodeMotion { velocity, change } =
+                read_motion::<T, D>(&self.motion, &self.change, index, true);
+            for k in 0..D {
+                middle[k] = velocity[k] - change[k] * half;
+            }
         }
     }
 
@@ -193,7 +208,7 @@ impl<T: Real, const D: usize> BlockGrid<T, D> {
 
     /// Bytes in store.
     pub fn bytes(&self) -> usize {
-        [&self.sums, &self.forces, &self.motion, &self.change]
+        [&self.sums, &self.forces, &self.motion, &self.change, &self.middle]
             .map(|nodes| std::mem::size_of_val(&nodes[..]))
             .iter()
             .sum()

@@ -15,7 +15,7 @@ use crate::error::Rejection;
 use crate::geometry::Vector;
 use crate::ledger::StepLedger;
 use crate::real::Real;
-use crate::scene::{Preconditioner, Scene};
+use crate::scene::{Integrator, Preconditioner, Scene};
 use crate::watchdog::StoredEnergy;
 
 /// Blocks of nodes that a task takes at least (chosen: a thousand nodes are long beside the cost of handing out a task).
@@ -147,8 +147,12 @@ impl<T: Real, const D: usize> Fast<T, D> {
         ledger: &mut StepLedger<D>,
     ) -> Result<(), Rejection> {
         let inverse_inertia = T::of(scene.kernel.inverse_inertia());
-        let update = Update { scene, materials: &self.materials, share, inverse_inertia, interval };
-        let copies_change = share.is_some() && D == 3;
+        let midway = matches!(scene.integrator, Integrator::Trapezoidal { .. });
+        let update = Update { scene, materials: &self.materials, share, inverse_inertia, interval, midway };
+        let copies_change = share.is_some() && D == 3 && !midway;
+        if midway {
+            self.grid.meet_midway();
+        }
         let Particles { layout, fields, labels, blocks, .. } = &mut self.particles;
         let (layout, blocks) = (*layout, &*blocks);
         let (fields, labels) = (Shared::new(fields), Shared::new(labels));
@@ -162,7 +166,11 @@ impl<T: Real, const D: usize> Fast<T, D> {
                 (fields.range(first * layout.fields(), chunks * layout.fields()), labels.range(first, chunks))
             };
             grid.for_tile_runs(home, &mut |tile, node, count| {
-                copy_run(&grid.motion[node..node + count], tile, &mut scratch.tile);
+                let first = if midway { &grid.middle } else { &grid.motion };
+                copy_run(&first[node..node + count], tile, &mut scratch.tile);
+                if midway {
+                    copy_run(&grid.motion[node..node + count], tile, &mut scratch.second_tile);
+                }
                 if copies_change {
                     copy_run(&grid.change[node..node + count], tile, &mut scratch.second_tile);
                 }

@@ -8,11 +8,14 @@ use crate::diagnostics::{linear_momentum, total_mass};
 use crate::geometry::{Shape, Vector, unit};
 use crate::material::{Elastic, Lame, Material, Snow};
 use crate::real::Real;
-use crate::scene::{Advection, Engine, FlipShare, Integrator, Scene, StepLength, TimeStepControl, Transfer};
+use crate::scene::{
+    Advection, Engine, FlipShare, Integrator, LinearSolve, Preconditioner, Scene, StepLength,
+    TimeStepControl, Transfer,
+};
 use crate::state::{InitialParticle, State};
 use crate::step::accept;
 use crate::timestep::{StepHistory, step_length_for};
-use crate::{KernelKind, Matrix};
+use crate::{KernelKind, Matrix, Method};
 
 const SPACING: f64 = 0.0125;
 /// Of a run that nothing has happened to.
@@ -123,16 +126,34 @@ fn digest<T: Real, const D: usize>(state: &State<T, D>) -> u64 {
     })
 }
 
+/// As in use, and with every option the other way round.
+fn implicit() -> [Integrator; 2] {
+    let solve = LinearSolve { tolerance: 1e-4, ..LinearSolve::default() };
+    let other = LinearSolve {
+        method: Method::ConjugateResiduals,
+        preconditioner: Preconditioner::Mass,
+        definite: true,
+        ..solve
+    };
+    [Integrator::SemiImplicit { beta: 0.5, solve }, Integrator::Trapezoidal { solve: other }]
+}
+
 fn check_bits<T: Real, const D: usize>() {
     for kernel in KERNELS {
         for transfer in TRANSFERS {
-            for energy_budget in [true, false] {
-                let scene = Scene { energy_budget, ..scene::<T, D>(kernel, transfer) };
-                let first = run(&scene, Set::Avx2, 1, 50);
+            for (energy_budget, integrator) in [true, false]
+                .map(|budget| (budget, Integrator::Explicit))
+                .into_iter()
+                .chain(implicit().map(|integrator| (false, integrator)))
+            {
+                let scene = Scene { energy_budget, integrator, ..scene::<T, D>(kernel, transfer) };
+                // A step with a solve is as long as ten without.
+                let (steps, most) = if integrator == Integrator::Explicit { (50, 3) } else { (30, 2) };
+                let first = run(&scene, Set::Avx2, 1, steps);
                 assert!(first.ledger.plastic_loss > 0.0 && first.first_contact.is_some(), "an impact");
                 for set in sets() {
-                    for threads in [1, 2, 3] {
-                        let other = run(&scene, set, threads, 50);
+                    for threads in 1..=most {
+                        let other = run(&scene, set, threads, steps);
                         let what = format!("{D}D {kernel:?} {transfer:?} {set:?}, {threads} threads");
                         assert_eq!(digest(&first), digest(&other), "{what}");
                     }

@@ -2,7 +2,7 @@
 
 use super::batch::{BATCH, Scratch};
 use super::contact::{collide_lanes, pack, unpack};
-use super::gather::{TOLD_CHANGE, TOLD_FIRST, TOLD_SECOND, TOLD_VELOCITY, Told};
+use super::gather::{TOLD_CHANGE, TOLD_END, TOLD_FIRST, TOLD_SECOND, TOLD_VELOCITY, Told};
 use super::grid::block_edge;
 use super::material::{ChunkMaterial, MaterialNumbers};
 use super::particles::{Block, Label, Layout, load_matrix, store_matrix};
@@ -25,6 +25,8 @@ pub(super) struct Update<'a, T: Real, const D: usize> {
     pub share: Option<T>,
     pub inverse_inertia: T,
     pub interval: Interval<T>,
+    /// Whether particles move and deform by the motion in the middle of the step, a trapezoidal one; they are then told of its end as well.
+    pub midway: bool,
 }
 
 /// What became of the particles of a block.
@@ -171,17 +173,31 @@ fn update_lanes<
     let mut squared = zero;
     interpolated.copy_from_slice(&group[..D]);
     kept.copy_from_slice(&group[..D]);
+    if update.midway {
+        kept.copy_from_slice(&told.group::<V>(TOLD_END)[..D]);
+    }
     if let Some(share) = update.share {
-        let change = if D == 2 { [group[2], group[3], zero, zero] } else { told.group::<V>(TOLD_CHANGE) };
+        let mut change = if D == 2 { [group[2], group[3], zero, zero] } else { told.group::<V>(TOLD_CHANGE) };
+        if update.midway {
+            for i in 0..D {
+                change[i] = (kept[i] - interpolated[i]) + (kept[i] - interpolated[i]);
+            }
+        }
         let (flip, pic) = (V::splat(share), V::splat(T::one() - share));
         for i in 0..D {
             let before = V::load(&chunk[Layout::<D>::VELOCITY + i][lane..]);
-            kept[i] = (before + change[i]).mul_add(flip, interpolated[i] * pic);
+            kept[i] = (before + change[i]).mul_add(flip, kept[i] * pic);
         }
     }
     let mut affine_squared = zero;
     if MOMENTS {
-        let affine = if SLOPES { told.matrix::<V, D>(TOLD_SECOND, to_affine) } else { gradient };
+        let affine = if update.midway {
+            told.matrix::<V, D>(TOLD_END + 1, to_affine)
+        } else if SLOPES {
+            told.matrix::<V, D>(TOLD_SECOND, to_affine)
+        } else {
+            gradient
+        };
         for i in 0..D {
             for j in 0..D {
                 affine_squared = affine[i][j].mul_add(affine[i][j], affine_squared);
