@@ -77,7 +77,8 @@ fn check<T: Real, const D: usize>(cells: f64) {
                 let ((reference, met), (fast, fast_met)) = (by(Engine::Reference), by(Engine::Fast));
                 let what = format!("{D}D {kernel:?} {transfer:?} {integrator:?}");
                 let off = apart(&fast, &reference) / scene.spacing.as_f64();
-                assert!(off <= cells && off > 0.0, "{what}: {off:e} cells apart");
+                // In steps twice as long the material goes twice as far.
+                assert!(off <= 2.0 * cells && off > 0.0, "{what}: {off:e} cells apart");
                 assert_eq!(fast_met, met, "{what}: how often J_P met a bound");
             }
             // With the budget, nodes keep forces apart from momentum; without it affine transfers give both as one.

@@ -128,6 +128,15 @@ pub struct RunRecord {
     pub rejected_steps: u64,
     /// Times the watchdog went back.
     pub watchdog_restores: u64,
+    /// Applications of the implicit steps' operators.
+    #[serde(default)]
+    pub iterations: u64,
+    /// The most of them in a step.
+    #[serde(default)]
+    pub most_iterations: u32,
+    /// The largest residual left by a solve, over its right side.
+    #[serde(default)]
+    pub largest_residual: f64,
     /// Times a particle's J_P met a bound.
     pub clamps: u64,
     /// Particles whose J_P ever met a bound.
@@ -153,6 +162,9 @@ impl RunRecord {
             damping: 0.0,
             rejected_steps: 0,
             watchdog_restores: 0,
+            iterations: 0,
+            most_iterations: 0,
+            largest_residual: 0.0,
             clamps: 0,
             clamped_particles: 0,
             history: Vec::new(),
@@ -190,6 +202,9 @@ impl RunRecord {
             damping: state.ledger.damping,
             rejected_steps: state.ledger.rejected_steps,
             watchdog_restores: state.ledger.watchdog_restores,
+            iterations: state.ledger.iterations,
+            most_iterations: state.ledger.most_iterations,
+            largest_residual: state.ledger.largest_residual,
             clamps: state.ledger.clamps,
             clamped_particles: state.clamped_particles(),
             history,

@@ -24,7 +24,7 @@ pub const ENDPOINTS: [&str; 10] = [
     "ln_extent",
 ];
 /// The tables' own columns, whose names an axis of a sweep cannot have.
-pub const OWN_COLUMNS: [&str; 70] = [
+pub const OWN_COLUMNS: [&str; 73] = [
     "arm",
     "block",
     "cases",
@@ -48,9 +48,11 @@ pub const OWN_COLUMNS: [&str; 70] = [
     "greatest",
     "host",
     "impulse",
+    "iterations",
     "jobs",
     "key",
     "kinetic",
+    "largest_residual",
     "least",
     "least_void_width",
     "ln_extent",
@@ -70,6 +72,7 @@ pub const OWN_COLUMNS: [&str; 70] = [
     "mean",
     "mean_step",
     "median",
+    "most_iterations",
     "ns_per_particle_step",
     "outcome",
     "particle_steps",
@@ -97,7 +100,7 @@ pub const OWN_COLUMNS: [&str; 70] = [
     "watchdog_restores",
 ];
 /// The numeric columns of `cases` beside the axes of a sweep: what an expectation can be held against.
-pub const CASE_NUMBERS: [&str; 42] = [
+pub const CASE_NUMBERS: [&str; 45] = [
     "block",
     "clamped_particles",
     "clamps",
@@ -113,7 +116,9 @@ pub const CASE_NUMBERS: [&str; 42] = [
     "end_time",
     "fragments",
     "impulse",
+    "iterations",
     "kinetic",
+    "largest_residual",
     "ln_extent",
     "ln_neff",
     "ln_neff_bonds",
@@ -127,6 +132,7 @@ pub const CASE_NUMBERS: [&str; 42] = [
     "loosened_2",
     "mass",
     "mean_step",
+    "most_iterations",
     "particle_steps",
     "particles",
     "particles_per_cell",
@@ -205,6 +211,18 @@ pub fn case_row(result: &CaseResult) -> Row {
         .number("damping", "-", "integral of (1 - a)/dt over time, a the FLIP share", record.damping)
         .count("rejected_steps", "steps tried and refused", record.rejected_steps)
         .count("watchdog_restores", "times the watchdog went back to a snapshot", record.watchdog_restores)
+        .count(
+            "iterations",
+            "applications of implicit steps' operators, in accepted steps",
+            record.iterations,
+        )
+        .count("most_iterations", "the most of them in a step", u64::from(record.most_iterations))
+        .number(
+            "largest_residual",
+            "-",
+            "largest residual a solve left, over its right side",
+            record.largest_residual,
+        )
         .count("clamps", "times a particle's J_P met a bound", record.clamps)
         .count("clamped_particles", "particles whose J_P ever met a bound", record.clamped_particles as u64)
         .put("kinetic", "J/m or J", "kinetic energy at the end", last.map(|h| h.kinetic))

@@ -254,15 +254,15 @@ impl<T: Real, const D: usize> Fast<T, D> {
         let nodes = || self.grid.sums.iter().zip(&self.grid.forces);
         let mass: Vec<T> =
             nodes().map(|(sums, _)| if sums[D] > self.empty { sums[D] } else { T::zero() }).collect();
-        let held = |of: &dyn Fn(&Node<T>, &Node<T>, usize) -> T| -> Vec<Node<T>> {
-            let of_node = |(sums, force): (&Node<T>, &Node<T>)| {
-                let holds = sums[D] > self.empty;
-                std::array::from_fn(|k| if k < D && holds { of(sums, force, k) } else { T::zero() })
-            };
-            nodes().map(of_node).collect()
+        let held = |holds: bool, of: &dyn Fn(usize) -> T| -> Node<T> {
+            std::array::from_fn(|k| if k < D && holds { of(k) } else { T::zero() })
         };
-        let start = held(&|sums, _, k| sums[k] / sums[D]);
-        let pushed = held(&|sums, force, k| (force[k] + gravity[k] * sums[D]) * dt_t);
+        let of_start = |(sums, _): (&Node<T>, _)| held(sums[D] > self.empty, &|k| sums[k] / sums[D]);
+        let start = nodes().map(of_start).collect();
+        let of_push = |(sums, force): (&Node<T>, &Node<T>)| {
+            held(sums[D] > self.empty, &|k| (force[k] + gravity[k] * sums[D]) * dt_t)
+        };
+        let pushed = nodes().map(of_push).collect();
         let weights = match how.preconditioner {
             Preconditioner::Mass => mass.clone(),
             Preconditioner::Stiffness => {

@@ -1,13 +1,14 @@
 //! Numerics and materials.
 
 use snowlab_solver::{
-    Advection, Elastic, Engine, FlipShare, Integrator, KernelKind, Lame, Material, Real, Scene, Snow,
-    StepLength, TimeStepControl, Transfer, Vector,
+    Advection, Elastic, Engine, FlipShare, Integrator, KernelKind, Lame, LinearSolve, Material, Method,
+    Preconditioner, Real, Scene, Snow, StepLength, TimeStepControl, Transfer, Vector,
 };
 
 use crate::spec::SpecError;
 use crate::spec::scene::{
-    AdvectionName, EngineName, KernelName, MaterialSpec, NumericsSpec, SceneSpec, TransferName,
+    AdvectionName, EngineName, IntegratorName, IntegratorSpec, KernelName, MaterialSpec, MethodName,
+    NumericsSpec, PreconditionerName, SceneSpec, TransferName,
 };
 
 use super::obstacle::collider;
@@ -23,7 +24,7 @@ pub(super) fn scene<T: Real, const D: usize>(
         spacing: T::of(n.spacing),
         kernel: kernel(n.kernel),
         transfer: transfer(n),
-        integrator: Integrator::Explicit,
+        integrator: n.integrator.as_ref().map_or(Integrator::Explicit, integrator),
         engine: engine(n.engine),
         advection: match n.advection {
             AdvectionName::Interpolated => Advection::Interpolated,
@@ -62,6 +63,26 @@ pub fn transfer(n: &NumericsSpec) -> Transfer {
         TransferName::Flip => {
             Transfer::Flip(FlipShare::Rate { share: n.flip_share, reference_step: n.flip_reference_step })
         }
+    }
+}
+
+fn integrator(spec: &IntegratorSpec) -> Integrator {
+    let solve = LinearSolve {
+        method: match spec.method {
+            MethodName::Minres => Method::Minres,
+            MethodName::ConjugateResiduals => Method::ConjugateResiduals,
+        },
+        preconditioner: match spec.preconditioner {
+            PreconditionerName::Stiffness => Preconditioner::Stiffness,
+            PreconditionerName::Mass => Preconditioner::Mass,
+        },
+        tolerance: spec.tolerance,
+        max_iterations: spec.max_iterations,
+        definite: spec.definite,
+    };
+    match spec.kind {
+        IntegratorName::SemiImplicit => Integrator::SemiImplicit { beta: spec.beta, solve },
+        IntegratorName::Trapezoidal => Integrator::Trapezoidal { solve },
     }
 }
 

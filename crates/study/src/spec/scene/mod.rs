@@ -13,7 +13,8 @@ pub use body::BodySpec;
 pub use collider::{ColliderSpec, ContactName, SolidSpec};
 pub use material::MaterialSpec;
 pub use numerics::{
-    AdvectionName, EngineName, KernelName, NumericsSpec, PrecisionName, RestVolumeName, TransferName,
+    AdvectionName, EngineName, IntegratorName, IntegratorSpec, KernelName, MethodName, NumericsSpec,
+    PrecisionName, PreconditionerName, RestVolumeName, TransferName,
 };
 pub use output::{EndFrom, OutputSpec, TimeUnit};
 pub use placement::{CountOf, CountSpec, LatticeSpec, PlacementSpec};

@@ -29,6 +29,9 @@ pub struct NumericsSpec {
     /// Which velocity moves particles.
     #[serde(default)]
     pub advection: AdvectionName,
+    /// Implicit steps; explicit ones when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub integrator: Option<IntegratorSpec>,
     /// How rest volumes are found.
     #[serde(default)]
     pub rest_volume: RestVolumeName,
@@ -58,6 +61,32 @@ pub struct NumericsSpec {
     pub max_steps: u64,
 }
 
+/// Implicit steps and the solve of their linear system.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IntegratorSpec {
+    /// Which.
+    pub kind: IntegratorName,
+    /// Share of the forces at the end of a semi-implicit step.
+    #[serde(default = "defaults::beta")]
+    pub beta: f64,
+    /// Krylov method.
+    #[serde(default)]
+    pub method: MethodName,
+    /// Preconditioner.
+    #[serde(default)]
+    pub preconditioner: PreconditionerName,
+    /// For the residual over the right side.
+    #[serde(default = "defaults::tolerance")]
+    pub tolerance: f64,
+    /// After so many the step is refused.
+    #[serde(default = "defaults::max_iterations")]
+    pub max_iterations: u32,
+    /// Whether the particles' Hessians are made positive semi-definite.
+    #[serde(default)]
+    pub definite: bool,
+}
+
 macro_rules! names {
     ($(#[$doc:meta])* $name:ident { $first:ident $(, $other:ident)* }) => {
         $(#[$doc])*
@@ -72,6 +101,9 @@ names!(/** B-spline kernels. */ KernelName { Cubic, Quadratic });
 names!(/** Transfers between particles and grid. */ TransferName { Flip, Apic, Mls });
 names!(/** Engines. */ EngineName { Fast, Reference });
 names!(/** Velocities that can move particles. */ AdvectionName { Interpolated, Blended });
+names!(/** Implicit steps. */ IntegratorName { SemiImplicit, Trapezoidal });
+names!(/** Krylov methods. */ MethodName { Minres, ConjugateResiduals });
+names!(/** Preconditioners. */ PreconditionerName { Stiffness, Mass });
 names!(/** Rules for rest volumes. */ RestVolumeName { Uniform, Density });
 names!(/** Floating point types. */ PrecisionName { F64, F32 });
 
@@ -82,7 +114,7 @@ fn is_yes(switch: &bool) -> bool {
 
 /// Defaults of keys that may be left out. The FLIP share: the study's definition (docs/experiment.md); the rest is the solver's.
 mod defaults {
-    use snowlab_solver::{StepLength, TimeStepControl};
+    use snowlab_solver::{LinearSolve, StepLength, TimeStepControl};
 
     pub fn yes() -> bool {
         true
@@ -98,6 +130,16 @@ mod defaults {
     }
     pub fn greatest_step() -> f64 {
         adaptive().1
+    }
+    /// The least share of the end that is stable however long the step (S13 section 6).
+    pub fn beta() -> f64 {
+        0.5
+    }
+    pub fn tolerance() -> f64 {
+        LinearSolve::default().tolerance
+    }
+    pub fn max_iterations() -> u32 {
+        LinearSolve::default().max_iterations
     }
     pub fn max_steps() -> u64 {
         TimeStepControl::default().max_steps
