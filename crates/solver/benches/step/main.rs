@@ -7,6 +7,7 @@
 //! cargo bench -p snowlab-solver --bench step -- --full          a million in 3D; steps_full.csv
 //! cargo bench -p snowlab-solver --bench step -- sweep           the first case, from 10 thousand to 4 million; steps_sweep.csv
 //! cargo bench -p snowlab-solver --bench step -- scaling         4 to 64 threads, by a model of blocks of measured cost; printed
+//! cargo bench -p snowlab-solver --bench step -- operator        an application of the implicit operator beside an explicit step; printed
 //! cargo bench -p snowlab-solver --bench step -- 2D FLIP         the cases with all these words, nothing kept
 //! cargo test --release -p snowlab-solver --bench step           no times: the naive step against the reference engine
 //! ```
@@ -17,6 +18,7 @@ mod contest;
 mod decomposition;
 mod machine;
 mod naive;
+mod operator;
 mod report;
 mod rows;
 mod scaling;
@@ -34,6 +36,7 @@ const TIMED: &str = "--bench";
 const FULL: &str = "--full";
 const SWEEP: &str = "sweep";
 const SCALING: &str = "scaling";
+const OPERATOR: &str = "operator";
 /// Said to the process that measures a row with other instructions: print the outcome alone.
 const ALONE: &str = "--alone";
 
@@ -50,6 +53,10 @@ fn main() {
     };
     if size != Size::Tried && has(SCALING) {
         scaling::run();
+        return;
+    }
+    if size != Size::Tried && has(OPERATOR) {
+        operator::run();
         return;
     }
     if size == Size::Tried && !has(ALONE) {

@@ -13,7 +13,7 @@
 use super::batch::{BATCH, Next, Scratch, weigh};
 use super::gather::{TOLD_FIRST, TOLD_VELOCITY, Told, gather_batch};
 use super::material::{ChunkMaterial, MaterialNumbers};
-use super::particles::{Block, Label, Layout, Particles, load_matrix};
+use super::particles::{Block, Label, Layout, Particles, load_matrix, store_matrix};
 use super::scatter::{MOMENT, OWN_FORCE, SLOPE, scatter_batch};
 use super::simd::{CHANNELS, CHUNK, InstructionSet, Lanes};
 use super::strain::{Matrix, Spectrum, left_strain, recompose, root_less_one, spectrum, volume_change};
@@ -121,13 +121,8 @@ fn linearise_lanes<V: Lanes<T>, T: Real, const D: usize>(
             }
         }
     }
-    let mut store = |field: usize, value: V| value.store(&mut tangents[field][lane..]);
-    for i in 0..D {
-        for j in 0..D {
-            store(i * D + j, vectors[i][j]);
-            store(D * D + i * D + j, diagonal[i][j]);
-        }
-    }
+    store_matrix(&vectors, tangents, 0, lane);
+    store_matrix(&diagonal, tangents, D * D, lane);
     for pair in 0..pairs::<D>() {
         let (i, j, k) = axes::<D>(pair);
         let third = if D == 2 { pressure } else { pressure * stretch[k.min(D - 1)] };
@@ -138,9 +133,9 @@ fn linearise_lanes<V: Lanes<T>, T: Real, const D: usize>(
         }
         let (sum, difference) = ((flip + twist) * half, (flip - twist) * half);
         let first = 2 * D * D + 3 * pair;
-        store(first, stretch[j] * stretch[j] * sum);
-        store(first + 1, stretch[i] * stretch[j] * difference);
-        store(first + 2, stretch[i] * stretch[i] * sum);
+        (stretch[j] * stretch[j] * sum).store(&mut tangents[first][lane..]);
+        (stretch[i] * stretch[j] * difference).store(&mut tangents[first + 1][lane..]);
+        (stretch[i] * stretch[i] * sum).store(&mut tangents[first + 2][lane..]);
     }
 }
 
@@ -152,7 +147,7 @@ fn respond<T: Real, V: Lanes<T>, const D: usize>(
     g: &Matrix<V, D>,
 ) -> Matrix<V, D> {
     let u = load_matrix::<T, V, D>(tangents, 0, lane);
-    let load = |field: usize| V::load(&tangents[field][lane..]);
+    let diagonal = load_matrix::<T, V, D>(tangents, D * D, lane);
     let zero = V::splat(T::zero());
     // U^T G U.
     let (mut gu, mut turned) = ([[zero; D]; D], [[zero; D]; D]);
@@ -173,12 +168,15 @@ fn respond<T: Real, V: Lanes<T>, const D: usize>(
     let mut t = [[zero; D]; D];
     for i in 0..D {
         for j in 0..D {
-            t[i][i] = load(D * D + i * D + j).mul_add(turned[j][j], t[i][i]);
+            t[i][i] = diagonal[i][j].mul_add(turned[j][j], t[i][i]);
         }
     }
     for pair in 0..pairs::<D>() {
         let (i, j, _) = axes::<D>(pair);
-        let [own, other, back] = [0, 1, 2].map(|k| load(2 * D * D + 3 * pair + k));
+        let first = 2 * D * D + 3 * pair;
+        let own = V::load(&tangents[first][lane..]);
+        let other = V::load(&tangents[first + 1][lane..]);
+        let back = V::load(&tangents[first + 2][lane..]);
         t[i][j] = own.mul_add(turned[i][j], other * turned[j][i]);
         t[j][i] = back.mul_add(turned[j][i], other * turned[i][j]);
     }
