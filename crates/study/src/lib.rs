@@ -27,4 +27,5 @@ pub mod store;
 pub mod sweep;
 pub mod table;
 pub mod tables;
+pub mod trade;
 pub mod verify;

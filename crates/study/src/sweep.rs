@@ -156,8 +156,8 @@ fn blocks_of(spec: &StudySpec, profile: &ProfileSpec, arm: &ArmSpec) -> BlockSpe
 #[derive(Clone)]
 struct AxisPoint {
     name: String,
-    path: String,
-    value: Value,
+    /// Values by path.
+    settings: Vec<(String, Value)>,
     number: f64,
 }
 
@@ -170,8 +170,12 @@ fn combinations(sweep: &[SweepSpec]) -> Vec<Vec<AxisPoint>> {
             .enumerate()
             .map(|(index, value)| AxisPoint {
                 name: axis.name.clone(),
-                path: axis.path.clone(),
-                value: value.clone(),
+                settings: match value.as_table() {
+                    Some(settings) if axis.path.is_empty() => {
+                        settings.iter().map(|(path, value)| (path.clone(), value.clone())).collect()
+                    }
+                    _ => vec![(axis.path.clone(), value.clone())],
+                },
                 number: axis
                     .numbers
                     .as_ref()
@@ -210,7 +214,8 @@ fn scene_of(
         .iter()
         .chain(checked.into_iter().flat_map(|arm| own(profile, arm)))
         .chain(own(profile, arm));
-    for (path, value) in settings.chain(axes.iter().map(|axis| (&axis.path, &axis.value))) {
+    let swept = axes.iter().flat_map(|axis| axis.settings.iter().map(|(path, value)| (path, value)));
+    for (path, value) in settings.chain(swept) {
         override_path::set(&mut scene, path, value.clone())
             .map_err(|message| SpecError::value(format!("{place}, path `{path}`"), message))?;
     }

@@ -10,7 +10,7 @@ use snowlab_study::schedule::{Jobs, run_cases};
 use snowlab_study::spec::{self, StudySpec};
 use snowlab_study::sweep::Study;
 use snowlab_study::table::{Table, dictionary};
-use snowlab_study::{check as expectations, memory, tables};
+use snowlab_study::{check as expectations, memory, tables, trade};
 
 use super::progress::Bar;
 use super::{Exit, StudyArguments, in_full};
@@ -152,7 +152,9 @@ fn write_tables(archive: &Archive, results: &[CaseResult], more: &[Table]) -> an
         tables::summary(results),
     ];
     let timings = tables::timings(archive, results)?;
-    let all: Vec<&Table> = own.iter().chain(more).chain([&timings]).collect();
+    let trades = trade::trades(archive, results)?;
+    let trades = (!trades.is_empty()).then(|| trade::table(&trades));
+    let all: Vec<&Table> = own.iter().chain(more).chain([&timings]).chain(&trades).collect();
     for table in &all {
         table.write(archive.store.root())?;
     }

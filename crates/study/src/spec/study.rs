@@ -79,6 +79,9 @@ pub struct ArmSpec {
     /// What it checks, where it is the same as another arm but for the step or the transfer.
     #[serde(default)]
     pub check: Option<CheckSpec>,
+    /// What its accuracy and cost are compared with.
+    #[serde(default)]
+    pub trade: Option<TradeSpec>,
     /// Name of the figure in which the arm's first block is pictured before and after; none when left out.
     #[serde(default)]
     pub picture: Option<String>,
@@ -92,6 +95,16 @@ pub struct CheckSpec {
     pub of: String,
     /// What is changed.
     pub by: Rerun,
+}
+
+/// What an arm trades: its error beside another arm with the same particles, for the time it takes.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TradeSpec {
+    /// The arm whose results are the truth.
+    pub reference: String,
+    /// Name of the line in the figure that joins it with its like.
+    pub family: String,
 }
 
 /// Changes that an answer must withstand.
@@ -110,10 +123,14 @@ pub enum Rerun {
 pub struct SweepSpec {
     /// Name of the axis: a column of the tables.
     pub name: String,
-    /// Dotted path into the scene.
+    /// Dotted path into the scene; left out, each value is a table of settings by path.
+    #[serde(default)]
     pub path: String,
     /// Values.
     pub values: Vec<toml::Value>,
+    /// Words for the values in figures; their numbers when left out.
+    #[serde(default)]
+    pub labels: Option<Vec<String>>,
     /// Numbers that stand for the values in tables; the values themselves when left out.
     #[serde(default)]
     pub numbers: Option<Vec<f64>>,

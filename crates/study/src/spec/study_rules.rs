@@ -62,6 +62,9 @@ impl StudySpec {
                 let repeated = self.arm[..number].iter().any(|before| before.check.as_ref() == Some(check));
                 self.check_check(&format!("`arm.{number}.check`"), check, repeated)?;
             }
+            if let Some(trade) = &arm.trade {
+                self.check_arm(format!("`arm.{number}.trade.reference`"), &trade.reference)?;
+            }
             // It becomes the name of a file.
             arm.picture.iter().try_for_each(|name| check_name(&format!("`arm.{number}.picture`"), name))?;
         }
@@ -119,12 +122,24 @@ impl StudySpec {
                 );
                 return refuse(place("name"), message);
             }
-            if !paths.insert(&axis.path) {
+            if !axis.path.is_empty() && !paths.insert(&axis.path) {
                 let message = format!("is \"{}\", which another axis sets; join their values", axis.path);
                 return refuse(place("path"), message);
             }
             self.check_seed_is_not_set(&format!("sweep.{number}.path"), std::iter::once(&axis.path))?;
             check_values(axis, place)?;
+            if axis.path.is_empty() {
+                for (value, settings) in axis.values.iter().enumerate() {
+                    let Some(settings) = settings.as_table() else {
+                        let message = "must be a table of settings by path, since the axis has no `path`";
+                        return refuse(format!("`sweep.{number}.values.{value}`"), message);
+                    };
+                    self.check_seed_is_not_set(&format!("sweep.{number}.values.{value}"), settings.keys())?;
+                }
+            }
+            if axis.labels.as_ref().is_some_and(|labels| labels.len() != axis.values.len()) {
+                return refuse(place("labels"), "must have as many entries as `values`");
+            }
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 //! An experiment is a file that returns its [`Evidence`]; [`EXPERIMENTS`] lists them in the order of the page. To add one: the
 //! file, its line in the list, and its section `pages/<id>.md.jinja`, which sees the tables of all.
 
-mod chart;
+pub(crate) mod chart;
 mod column;
 mod convergence;
 mod discs;

@@ -6,6 +6,7 @@ mod endpoints;
 mod energies;
 mod pilot;
 mod stretch;
+mod trade;
 
 pub use claims::contrast;
 pub use pilot::operating_point;
@@ -27,6 +28,10 @@ struct Arms<'a> {
 
 /// All charts that the study's results allow.
 pub fn all(findings: Findings) -> anyhow::Result<Vec<Titled>> {
+    let trades = trade::charts(findings)?;
+    if !trades.is_empty() {
+        return Ok(trades);
+    }
     if !findings.archive.study.spec.sweep.is_empty() {
         return Ok(pilot::pilot_chart(findings)?.into_iter().collect());
     }
