@@ -16,6 +16,9 @@ const PLAIN_COPIES: f64 = 2.0;
 const MEASURED: f64 = 300.0;
 /// Nodes of the grid's blocks over cells that hold particles (chosen: a body of ten blocks across has a block more on each side).
 const MARGIN: f64 = 1.7;
+/// Fields over the nodes that an implicit step holds: 8 of MINRES, and of its system v^n, the forces, the right side, the held and known parts, masses and
+/// weights, and two copies on the way.
+const FIELDS_OF_SOLVE: f64 = 17.0;
 /// Nodes of a block, and lanes of a chunk of particles.
 const BLOCK: f64 = 64.0;
 const CHUNK: f64 = 16.0;
@@ -37,7 +40,12 @@ pub fn of_case(scene: &SceneSpec) -> Option<f64> {
     // Mass and momentum, motion, and where forces are kept apart those and the change of velocity, four channels each.
     let joined = numerics.transfer != TransferName::Flip && !numerics.energy_budget && !numerics.watchdog;
     let arrays = if joined { 2.0 } else { 1.0 + d };
-    let nodes = MARGIN * arrays * 4.0 * number / per_cell;
+    let (tangents, fields_of_solve) = match numerics.integrator {
+        Some(_) => (2.0 * d * d + 1.5 * d * (d - 1.0), FIELDS_OF_SOLVE),
+        None => (0.0, 0.0),
+    };
+    let particle = particle + padding * tangents * number;
+    let nodes = MARGIN * (arrays + fields_of_solve) * 4.0 * number / per_cell;
     // Pairs within 2 h, four bytes each (metrics/bond_graph.rs): a disc's area or a ball's volume of particles, each pair once.
     let bonds = 4.0 * 0.5 * per_cell * if scene.dimension == 2 { 4.0 * PI } else { 32.0 / 3.0 * PI };
     let frames = scene.output.end / scene.output.frame_interval + 2.0;

@@ -11,6 +11,7 @@ mod dispersion;
 mod energy_budget;
 mod engines;
 mod evidence;
+mod implicit;
 mod incline;
 mod manufactured;
 mod moving;
@@ -113,6 +114,12 @@ pub const EXPERIMENTS: &[Experiment] = &[
         title: "Two engines, one step",
         run: engines::run,
         section: include_str!("pages/engines.md.jinja"),
+    },
+    Experiment {
+        id: "implicit",
+        title: "Implicit steps",
+        run: implicit::run,
+        section: include_str!("pages/implicit.md.jinja"),
     },
     Experiment {
         id: "stability",
