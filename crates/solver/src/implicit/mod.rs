@@ -36,7 +36,7 @@ use crate::real::Real;
 use crate::scene::{Integrator, LinearSolve};
 
 /// What makes a preconditioner's share of a node from its stiffness sum w V (lambda + 2 mu) [J]: P = m + c STIFFNESS_SHARE / h^2 of it.
-/// chosen: the least iterations of 0.25, 0.5, 1, 2 and 4 on the scenes of docs/integrators.md.
+/// chosen: the diagonal of the Hessian to its order of magnitude; what it gives is measured in docs/integrators.md.
 pub(crate) const STIFFNESS_SHARE: f64 = 1.0;
 
 /// c and s of a step.
