@@ -326,8 +326,18 @@ fn the_step_grows_to_the_advective_limit_and_shrinks_where_a_solve_fails() {
 /// Coulomb's law sees the whole normal impulse, the solver's reaction included: a block slides down at g (sin - mu cos), or stays.
 #[test]
 fn friction_acts_on_the_whole_normal_impulse() {
-    for (friction, slides) in [(0.2, true), (1.2, false)] {
-        let mut scene = falling(LinearSolve { tolerance: 1e-8, ..TIGHT });
+    let solve = LinearSolve { tolerance: 1e-8, ..TIGHT };
+    let mut runs = Vec::new();
+    for integrator in [Integrator::SemiImplicit { beta: 0.5, solve }, Integrator::Trapezoidal { solve }] {
+        for transfer in [flip(0.95), Transfer::Mls] {
+            runs.extend(
+                [(0.2, true), (1.2, false)]
+                    .map(|(friction, slides)| (friction, slides, integrator, transfer)),
+            );
+        }
+    }
+    for (friction, slides, integrator, transfer) in runs {
+        let mut scene = Scene { integrator, transfer, ..falling(solve) };
         scene.colliders[0].friction = friction;
         // 45 degrees, the floor level.
         let component = 9.81 * 0.5_f64.sqrt();

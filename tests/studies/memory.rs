@@ -53,7 +53,12 @@ fn a_case_takes_what_it_is_said_to_take() {
         (3, 100_000, 0.017, "precision = \"f64\"\ntransfer = \"apic\""),
         (3, 100_000, 0.017, "precision = \"f32\"\ntransfer = \"mls\""),
         (3, 30_000, 0.026, "precision = \"f32\"\ntransfer = \"mls\""),
-        (3, 100_000, 0.017, "precision = \"f32\"\ntransfer = \"mls\"\nintegrator = { kind = \"semi-implicit\" }"),
+        (
+            3,
+            100_000,
+            0.017,
+            "precision = \"f32\"\ntransfer = \"mls\"\nintegrator = { kind = \"semi-implicit\" }",
+        ),
         (2, 1000, 0.02, ""),
     ] {
         let text = scene(dimension, count, &format!("spacing = {spacing}\n{numerics}"));

@@ -72,6 +72,11 @@ impl<T: Real, const D: usize> Collider<T, D> {
         Some(answer + self.velocity)
     }
 
+    /// As [`Collider::respond`], without friction.
+    pub(crate) fn keep_out(&self, x: &Vector<T, D>, v: &Vector<T, D>, time: f64) -> Option<Vector<T, D>> {
+        Collider { friction: T::zero(), ..*self }.respond(x, v, time)
+    }
+
     /// Whether `x` [m] lies in the obstacle or on it at time `time` [s].
     pub fn contains(&self, x: &Vector<T, D>, time: f64) -> bool {
         self.shape.surface(&(x - self.velocity * T::of(time))).distance <= T::zero()
@@ -138,6 +143,18 @@ pub(crate) fn collide_grid<T: Real, const D: usize>(
             collide_node(scene, &x, mass, &mut grid.motion[index], time, ledger);
         }
     }
+}
+
+/// The velocity with which material passes a node at `x` [m] in the middle of a trapezoidal step: `middle`, the mean of those at both ends,
+/// but for what would lead into an obstacle, where the impulse has come at once.
+pub(crate) fn keep_middle_out<T: Real, const D: usize>(
+    scene: &Scene<T, D>,
+    x: &Vector<T, D>,
+    middle: Vector<T, D>,
+    time: f64,
+) -> Vector<T, D> {
+    let obstacles = scene.colliders.iter().filter(|c| c.contact != Contact::Mirror);
+    obstacles.fold(middle, |v, obstacle| obstacle.keep_out(x, &v, time).unwrap_or(v))
 }
 
 /// Obstacles act on a node at `x` [m].

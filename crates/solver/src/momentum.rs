@@ -1,9 +1,11 @@
 //! Stage 3: the velocity of grid nodes.
 
+use crate::collision::keep_middle_out;
 use crate::geometry::Vector;
 use crate::grid::{Grid, NodeMotion};
 use crate::ledger::StepLedger;
 use crate::real::Real;
+use crate::scene::Scene;
 
 /// v* = v + dt (f / m + g) on every node that holds mass; others stand still, and what they hold is booked.
 pub(crate) fn update_grid_velocity<T: Real, const D: usize>(
@@ -25,10 +27,18 @@ pub(crate) fn update_grid_velocity<T: Real, const D: usize>(
     }
 }
 
-/// v^{n+1} to (v^n + v^{n+1}) / 2 on every node.
-pub(crate) fn back_to_the_middle<T: Real, const D: usize>(grid: &mut Grid<T, D>) {
+/// v^{n+1} to (v^n + v^{n+1}) / 2 on every node, held by the obstacles of `time` [s].
+pub(crate) fn back_to_the_middle<T: Real, const D: usize>(
+    scene: &Scene<T, D>,
+    grid: &mut Grid<T, D>,
+    time: f64,
+) {
     let half = T::of(0.5);
-    grid.motion.iter_mut().for_each(|motion| motion.velocity -= motion.change * half);
+    for index in 0..grid.node_count() {
+        let NodeMotion { velocity, change } = grid.motion[index];
+        let middle = velocity - change * half;
+        grid.motion[index].velocity = keep_middle_out(scene, &grid.position(index), middle, time);
+    }
 }
 
 /// Kinetic energy of the nodes' sums, p^2 / 2m [J].

@@ -132,7 +132,7 @@ pub fn step<T: Real, const D: usize>(
     transfer_velocity(scene, motion, gathered, T::of(share.unwrap_or(0.0)), next);
     // What moves particles and deforms them: the motion at the end of the step, or in its middle.
     let mover = if matches!(scene.integrator, Integrator::Trapezoidal { .. }) {
-        back_to_the_middle(grid);
+        back_to_the_middle(scene, grid, now);
         grid_to_particles(scene, motion, grid, midway);
         midway
     } else {

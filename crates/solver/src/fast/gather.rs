@@ -15,7 +15,7 @@ pub(super) const TOLD_VELOCITY: usize = 0;
 pub(super) const TOLD_FIRST: usize = 1;
 pub(super) const TOLD_SECOND: usize = 4;
 pub(super) const TOLD_CHANGE: usize = 4;
-/// Of a trapezoidal step, whose other groups tell of its middle: the velocity at its end, and by axis C.
+/// Of a trapezoidal step, whose other groups tell of its middle: what particles keep of its end, and by axis C.
 pub(super) const TOLD_END: usize = 4;
 
 /// What some particles of a batch, side by side, were told.

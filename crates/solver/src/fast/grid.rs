@@ -4,13 +4,16 @@
 use std::collections::HashMap;
 use std::hash::BuildHasherDefault;
 
+use super::contact::{is_near, surroundings};
 use super::particles::Block;
 use super::pool::{Pool, Shared};
 use super::simd::CHANNELS;
+use crate::collision::keep_middle_out;
 use crate::geometry::Vector;
 use crate::grid::{BlockHasher, NodeMotion, NodeSums, Nodes};
 use crate::kernel::MAX_SUPPORT;
 use crate::real::Real;
+use crate::scene::Scene;
 
 /// Hashes block coordinates; looked up, never iterated.
 pub(crate) type BlockHash = BuildHasherDefault<BlockHasher>;
@@ -58,8 +61,10 @@ pub(crate) struct BlockGrid<T: Real, const D: usize> {
     pub motion: Vec<Node<T>>,
     /// Change of velocity over the step in 3D.
     pub change: Vec<Node<T>>,
-    /// Velocity in the middle of a trapezoidal step.
+    /// Velocity in the middle of a trapezoidal step, and what particles keep of its end: the velocity, or with a FLIP share a the sum of 1 - a of it and a of
+    /// its change.
     pub middle: Vec<Node<T>>,
+    pub ending: Vec<Node<T>>,
     /// For each block of particles the blocks from -1 to +1 on each axis, the last axis fastest.
     neighbours: Vec<[u32; NEIGHBOURS]>,
     /// The blocks of particles in the order in which their tiles are added up: colour by colour, a colour being blocks whose tiles have no
@@ -126,17 +131,34 @@ impl<T: Real, const D: usize> BlockGrid<T, D> {
         }
     }
 
-    /// Finds the velocities in the middle of the step, of nodes that keep its change.
-    pub fn meet_midway(&mut self) {
-        self.middle.clone_from(&self.motion);
+    /// Finds the velocities in the middle of the step, of nodes that keep its change, held by the obstacles of `time` [s]; and what particles keep
+    /// with the FLIP share `share`.
+    pub fn meet_midway(&mut self, scene: &Scene<T, D>, time: f64, share: Option<T>) {
+        let (mut middle, mut ending) = (std::mem::take(&mut self.middle), std::mem::take(&mut self.ending));
+        middle.clone_from(&self.motion);
+        ending.clone_from(&self.motion);
         let half = T::of(0.5);
-        for (index, middle) in self.middle.iter_mut().enumerate() {
-            let NodeMotion { velocity, change } =
-                read_motion::<T, D>(&self.motion, &self.change, index, true);
-            for k in 0..D {
-                middle[k] = velocity[k] - change[k] * half;
+        for block in 0..self.blocks() {
+            let first = self.first_node(block);
+            let obstructed = is_near(&scene.colliders, &surroundings(first, scene.spacing), time);
+            for local in 0..BLOCK_NODES {
+                let index = block * BLOCK_NODES + local;
+                let NodeMotion { velocity, change } =
+                    read_motion::<T, D>(&self.motion, &self.change, index, true);
+                let mut mean = velocity - change * half;
+                if obstructed {
+                    let node = node_coordinates(first, local);
+                    let x = Vector::from_fn(|k, _| T::of_index(node[k]) * scene.spacing);
+                    mean = keep_middle_out(scene, &x, mean, time);
+                }
+                middle[index][..D].copy_from_slice(mean.as_slice());
+                if let Some(share) = share {
+                    let kept = velocity * (T::one() - share) + change * share;
+                    ending[index][..D].copy_from_slice(kept.as_slice());
+                }
             }
         }
+        (self.middle, self.ending) = (middle, ending);
     }
 
     /// Blocks in store.
@@ -208,7 +230,7 @@ impl<T: Real, const D: usize> BlockGrid<T, D> {
 
     /// Bytes in store.
     pub fn bytes(&self) -> usize {
-        [&self.sums, &self.forces, &self.motion, &self.change, &self.middle]
+        [&self.sums, &self.forces, &self.motion, &self.change, &self.middle, &self.ending]
             .map(|nodes| std::mem::size_of_val(&nodes[..]))
             .iter()
             .sum()

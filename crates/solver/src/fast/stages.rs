@@ -151,7 +151,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
         let update = Update { scene, materials: &self.materials, share, inverse_inertia, interval, midway };
         let copies_change = share.is_some() && D == 3 && !midway;
         if midway {
-            self.grid.meet_midway();
+            self.grid.meet_midway(scene, interval.arrival - interval.dt.as_f64(), share);
         }
         let Particles { layout, fields, labels, blocks, .. } = &mut self.particles;
         let (layout, blocks) = (*layout, &*blocks);
@@ -169,7 +169,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
                 let first = if midway { &grid.middle } else { &grid.motion };
                 copy_run(&first[node..node + count], tile, &mut scratch.tile);
                 if midway {
-                    copy_run(&grid.motion[node..node + count], tile, &mut scratch.second_tile);
+                    copy_run(&grid.ending[node..node + count], tile, &mut scratch.second_tile);
                 }
                 if copies_change {
                     copy_run(&grid.change[node..node + count], tile, &mut scratch.second_tile);

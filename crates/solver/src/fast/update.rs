@@ -6,7 +6,7 @@ use super::gather::{TOLD_CHANGE, TOLD_END, TOLD_FIRST, TOLD_SECOND, TOLD_VELOCIT
 use super::grid::block_edge;
 use super::material::{ChunkMaterial, MaterialNumbers};
 use super::particles::{Block, Label, Layout, load_matrix, store_matrix};
-use super::simd::{CHUNK, InstructionSet, Lanes};
+use super::simd::{CHANNELS, CHUNK, InstructionSet, Lanes};
 use super::strain::{
     Flow, Matrix, compose, exponential, flow, left_strain, stretch_factor, volume_change, yields,
 };
@@ -177,16 +177,16 @@ fn update_lanes<
         kept.copy_from_slice(&told.group::<V>(TOLD_END)[..D]);
     }
     if let Some(share) = update.share {
-        let mut change = if D == 2 { [group[2], group[3], zero, zero] } else { told.group::<V>(TOLD_CHANGE) };
-        if update.midway {
-            for i in 0..D {
-                change[i] = (kept[i] - interpolated[i]) + (kept[i] - interpolated[i]);
-            }
-        }
         let (flip, pic) = (V::splat(share), V::splat(T::one() - share));
+        let change = match (update.midway, D) {
+            (true, _) => [zero; CHANNELS],
+            (false, 2) => [group[2], group[3], zero, zero],
+            (false, _) => told.group::<V>(TOLD_CHANGE),
+        };
         for i in 0..D {
             let before = V::load(&chunk[Layout::<D>::VELOCITY + i][lane..]);
-            kept[i] = (before + change[i]).mul_add(flip, kept[i] * pic);
+            let end = if update.midway { kept[i] } else { interpolated[i] * pic };
+            kept[i] = (before + change[i]).mul_add(flip, end);
         }
     }
     let mut affine_squared = zero;

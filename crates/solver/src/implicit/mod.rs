@@ -15,7 +15,7 @@
 //! rest of the step, contact with friction and mirrors included, goes on as an explicit one does. So momentum is kept to round-off however
 //! coarsely the system was solved, and Coulomb's law sees the whole normal impulse, the solver's reaction included.
 //!
-//! Nodes that an obstacle holds keep their velocity along its normal (all of it where they stick) during the solve. Where it would have to pull
+//! Nodes that an obstacle holds begin with its velocity along its normal (all of it where they stick), in place of v^n, and keep it during the solve. Where it would have to pull
 //! at one that may leave, the node is released and the system solved again.
 
 mod constraint;
@@ -104,8 +104,7 @@ pub(crate) trait StepSystem: LinearSystem {
     fn folded_hessian(&mut self, u: &Self::Vector, out: &mut Self::Vector);
     /// `out` = (M + c H) u, folded.
     fn matrix(&mut self, u: &Self::Vector, out: &mut Self::Vector);
-    /// Has obstacles hold the nodes that they would stop in an explicit step, but for those `released`; the part of the change of velocity that
-    /// is known by that, where there is any.
+    /// Has obstacles hold the nodes that they would stop in an explicit step, but for those `released`; by what that changes v^n, where it does.
     fn hold(&mut self, released: &Released) -> Option<Self::Vector>;
     /// Takes out what is held.
     fn project(&self, u: &mut Self::Vector);
@@ -122,28 +121,27 @@ pub(crate) fn solve_step<S: StepSystem>(
 ) -> (S::Vector, Solution) {
     let Coefficients { of_change: c, of_start: s } = coefficients;
     let goal = Goal { tolerance: how.tolerance, max_iterations: how.max_iterations };
-    let (start, mut asked) = (system.start(), system.pushed());
+    let start = system.start();
     let mut image = start.clone();
-    system.folded_hessian(&start, &mut image);
-    system.combine(-s, &image, 1.0, &mut asked);
     let mut released = Released::new();
     let mut iterations = 0;
     loop {
-        let known = system.hold(&released);
-        let mut right = asked.clone();
-        if let Some(known) = &known {
-            system.matrix(known, &mut image);
-            system.combine(-1.0, &image, 1.0, &mut right);
+        let mut begin = start.clone();
+        if let Some(known) = system.hold(&released) {
+            system.combine(1.0, &known, 1.0, &mut begin);
         }
+        let mut right = system.pushed();
+        system.folded_hessian(&begin, &mut image);
+        system.combine(-s, &image, 1.0, &mut right);
         system.project(&mut right);
         let (mut change, solution) = krylov::solve(system, how.method, &right, goal, |_| ());
         iterations += solution.iterations;
-        if let Some(known) = &known {
-            system.combine(1.0, known, 1.0, &mut change);
-        }
-        let mut moved = start.clone();
+        let mut moved = begin.clone();
         system.combine(c, &change, s, &mut moved);
         system.hessian(&moved, &mut image);
+        // From v^n on.
+        system.combine(1.0, &begin, 1.0, &mut change);
+        system.combine(-1.0, &start, 1.0, &mut change);
         if !system.release(&change, &image, &mut released) {
             return (image, Solution { iterations, ..solution });
         }

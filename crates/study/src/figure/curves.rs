@@ -185,7 +185,9 @@ fn shared(
     let mut panel = match figure.spread {
         Spread::Band => Panel::new(sheet, area, x, y)?,
         Spread::Bars | Spread::Points => {
-            Panel::with_ticks(sheet, area, [x, y], settings(curves), LabelAreaPosition::Bottom)?
+            let ticks = settings(curves);
+            let ticks = if ticks.len() > MOST_SETTINGS { x.ticks(MOST_SETTINGS) } else { ticks };
+            Panel::with_ticks(sheet, area, [x, y], ticks, LabelAreaPosition::Bottom)?
         }
     };
     panel.draw_y(quantity.label)?;
@@ -228,6 +230,9 @@ fn ends_meet(axes: &[Axis; 2], curves: &[Curve<'_>], height: f64) -> bool {
     let high = ends.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     ends.len() > 1 && (high - low) * height < 0.5 * NAME_STEP * (ends.len() - 1) as f64
 }
+
+/// More settings than this are measured quantities: their axis has ticks of its own (chosen: as many labels stand side by side).
+const MOST_SETTINGS: usize = 10;
 
 /// Ticks at the settings themselves.
 fn settings(curves: &[Curve<'_>]) -> Vec<Tick> {

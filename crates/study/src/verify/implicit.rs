@@ -76,9 +76,11 @@ fn vibration(integrator: Integrator, dt: f64, steps: usize) -> anyhow::Result<Ve
     for _ in 0..steps {
         simulation.advance_one(f64::INFINITY)?;
         let state = simulation.state();
-        let moved = state.by_id().into_iter().zip(&bodies).map(|(p, body)| {
-            (state.motion.position[p] - body.position)[0] * shape(body.position[0])
-        });
+        let moved = state
+            .by_id()
+            .into_iter()
+            .zip(&bodies)
+            .map(|(p, body)| (state.motion.position[p] - body.position)[0] * shape(body.position[0]));
         amplitudes.push(moved.sum::<f64>() / norm);
     }
     Ok(amplitudes)
@@ -105,9 +107,12 @@ struct Damping {
 fn damping() -> anyhow::Result<Vec<Damping>> {
     let omega = PI * wave_speed() / LENGTH;
     let mut rows = Vec::new();
-    for integrator in
-        [semi_implicit(0.5), semi_implicit(0.75), semi_implicit(1.0), Integrator::Trapezoidal { solve: SOLVE }]
-    {
+    for integrator in [
+        semi_implicit(0.5),
+        semi_implicit(0.75),
+        semi_implicit(1.0),
+        Integrator::Trapezoidal { solve: SOLVE },
+    ] {
         for (omega_dt, steps) in [(0.2, 60), (1.0, 12), (4.0, 12)] {
             let derived = match integrator {
                 Integrator::SemiImplicit { beta, .. } => 1.0 / (1.0 + beta * omega_dt * omega_dt).sqrt(),
@@ -213,17 +218,16 @@ fn limits(steps: usize) -> anyhow::Result<Vec<Limit>> {
 /// Carries it out.
 pub fn run(setting: &Setting) -> anyhow::Result<Evidence> {
     let damping = damping()?;
-    let series = [
-        (semi_implicit(0.5), 16),
-        (semi_implicit(1.0), 16),
-        (Integrator::Trapezoidal { solve: SOLVE }, 2),
-    ]
-    .into_par_iter()
-    .map(|(integrator, coarsest)| series(integrator, coarsest))
-    .collect::<anyhow::Result<Vec<Series>>>()?;
+    let series =
+        [(semi_implicit(0.5), 16), (semi_implicit(1.0), 16), (Integrator::Trapezoidal { solve: SOLVE }, 2)]
+            .into_par_iter()
+            .map(|(integrator, coarsest)| series(integrator, coarsest))
+            .collect::<anyhow::Result<Vec<Series>>>()?;
     let limits = limits(setting.effort.choose(STEPS / 2, STEPS))?;
-    let lines = series.iter().map(|series| Line::new(name(&series.integrator), series.points.iter().copied()));
-    let panel = Panel::new("change of the amplitude when the step is halved", Scale::Logarithmic, lines.collect());
+    let lines =
+        series.iter().map(|series| Line::new(name(&series.integrator), series.points.iter().copied()));
+    let panel =
+        Panel::new("change of the amplitude when the step is halved", Scale::Logarithmic, lines.collect());
     let note = "relative to the amplitude; a bar of 64 cells, 0.9 of a quarter period";
     Ok(Evidence {
         checks: checks(&damping, &series, &limits),
@@ -238,7 +242,11 @@ pub fn run(setting: &Setting) -> anyhow::Result<Evidence> {
 
 fn checks(damping: &[Damping], series: &[Series], limits: &[Limit]) -> Vec<Check> {
     let damped = damping.iter().map(|row| Check {
-        quantity: format!("share of the amplitude kept in a step, {}, omega dt = {}", name(&row.integrator), row.omega_dt),
+        quantity: format!(
+            "share of the amplitude kept in a step, {}, omega dt = {}",
+            name(&row.integrator),
+            row.omega_dt
+        ),
         measured: row.measured,
         theory: if row.derived < 1.0 { "1 / sqrt(1 + beta (omega dt)^2)".into() } else { "1".into() },
         allowed: [row.derived - 3e-3, row.derived + 3e-3],
