@@ -170,11 +170,12 @@ fn combinations(sweep: &[SweepSpec]) -> Vec<Vec<AxisPoint>> {
             .enumerate()
             .map(|(index, value)| AxisPoint {
                 name: axis.name.clone(),
-                settings: match value.as_table() {
-                    Some(settings) if axis.path.is_empty() => {
+                settings: match (&axis.path, value.as_table()) {
+                    (Some(path), _) => vec![(path.clone(), value.clone())],
+                    (None, Some(settings)) => {
                         settings.iter().map(|(path, value)| (path.clone(), value.clone())).collect()
                     }
-                    _ => vec![(axis.path.clone(), value.clone())],
+                    (None, None) => Vec::new(),
                 },
                 number: axis
                     .numbers

@@ -40,7 +40,7 @@ shape = { kind = "ball", centre = [0.0, 0.0], radius = 0.1 }
 "#,
     r#"
 dimension = 3
-numerics = { spacing = 0.05 }
+numerics = { spacing = 0.05, integrator = { kind = "semi-implicit", beta = 0.5, tolerance = 1e-2, max_iterations = 9 } }
 output = { frame_interval = 0.01, end = 0.05 }
 [[body]]
 region = { kind = "box", centre = [0.0, 0.3, 0.0], half_extent = [0.1, 0.1, 0.1], angle = 1.0 }

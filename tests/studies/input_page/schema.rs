@@ -84,6 +84,7 @@ fn shape_at<S: DeserializeOwned>(
     }
     for (expected, word) in [
         ("expected f64", "number"),
+        ("expected u32", "whole number"),
         ("expected u64", "whole number"),
         ("expected usize", "whole number"),
         ("expected a boolean", "true or false"),

@@ -7,8 +7,8 @@ use snowlab_solver::{
 
 use crate::spec::SpecError;
 use crate::spec::scene::{
-    AdvectionName, EngineName, IntegratorName, IntegratorSpec, KernelName, MaterialSpec, MethodName,
-    NumericsSpec, PreconditionerName, SceneSpec, TransferName,
+    AdvectionName, EngineName, IntegratorSpec, KernelName, MaterialSpec, MethodName, NumericsSpec,
+    PreconditionerName, SceneSpec, SemiImplicitSpec, TransferName, TrapezoidalSpec,
 };
 
 use super::obstacle::collider;
@@ -67,23 +67,40 @@ pub fn transfer(n: &NumericsSpec) -> Transfer {
 }
 
 fn integrator(spec: &IntegratorSpec) -> Integrator {
-    let solve = LinearSolve {
-        method: match spec.method {
-            MethodName::Minres => Method::Minres,
-            MethodName::ConjugateResiduals => Method::ConjugateResiduals,
-        },
-        preconditioner: match spec.preconditioner {
-            PreconditionerName::Stiffness => Preconditioner::Stiffness,
-            PreconditionerName::Mass => Preconditioner::Mass,
-        },
-        tolerance: spec.tolerance,
-        max_iterations: spec.max_iterations,
-        definite: spec.definite,
-    };
-    match spec.kind {
-        IntegratorName::SemiImplicit => Integrator::SemiImplicit { beta: spec.beta, solve },
-        IntegratorName::Trapezoidal => Integrator::Trapezoidal { solve },
+    match spec {
+        IntegratorSpec::SemiImplicit(spec) => {
+            let SemiImplicitSpec { beta, method, preconditioner, tolerance, max_iterations, definite } =
+                *spec;
+            let solve = solve(
+                method,
+                preconditioner,
+                LinearSolve { tolerance, max_iterations, definite, ..LinearSolve::default() },
+            );
+            Integrator::SemiImplicit { beta, solve }
+        }
+        IntegratorSpec::Trapezoidal(spec) => {
+            let TrapezoidalSpec { method, preconditioner, tolerance, max_iterations, definite } = *spec;
+            let solve = solve(
+                method,
+                preconditioner,
+                LinearSolve { tolerance, max_iterations, definite, ..LinearSolve::default() },
+            );
+            Integrator::Trapezoidal { solve }
+        }
     }
+}
+
+/// `rest` with the method and the preconditioner of these names.
+fn solve(method: MethodName, preconditioner: PreconditionerName, rest: LinearSolve) -> LinearSolve {
+    let method = match method {
+        MethodName::Minres => Method::Minres,
+        MethodName::ConjugateResiduals => Method::ConjugateResiduals,
+    };
+    let preconditioner = match preconditioner {
+        PreconditionerName::Stiffness => Preconditioner::Stiffness,
+        PreconditionerName::Mass => Preconditioner::Mass,
+    };
+    LinearSolve { method, preconditioner, ..rest }
 }
 
 pub(super) fn time_step(n: &NumericsSpec) -> TimeStepControl {

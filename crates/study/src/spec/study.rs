@@ -125,7 +125,7 @@ pub struct SweepSpec {
     pub name: String,
     /// Dotted path into the scene; left out, each value is a table of settings by path.
     #[serde(default)]
-    pub path: String,
+    pub path: Option<String>,
     /// Values.
     pub values: Vec<toml::Value>,
     /// Words for the values in figures; their numbers when left out.

@@ -122,13 +122,15 @@ impl StudySpec {
                 );
                 return refuse(place("name"), message);
             }
-            if !axis.path.is_empty() && !paths.insert(&axis.path) {
-                let message = format!("is \"{}\", which another axis sets; join their values", axis.path);
+            if let Some(path) = &axis.path
+                && !paths.insert(path)
+            {
+                let message = format!("is \"{path}\", which another axis sets; join their values");
                 return refuse(place("path"), message);
             }
-            self.check_seed_is_not_set(&format!("sweep.{number}.path"), std::iter::once(&axis.path))?;
+            self.check_seed_is_not_set(&format!("sweep.{number}.path"), axis.path.iter())?;
             check_values(axis, place)?;
-            if axis.path.is_empty() {
+            if axis.path.is_none() {
                 for (value, settings) in axis.values.iter().enumerate() {
                     let Some(settings) = settings.as_table() else {
                         let message = "must be a table of settings by path, since the axis has no `path`";

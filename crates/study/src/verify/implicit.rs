@@ -262,7 +262,9 @@ fn checks(damping: &[Damping], series: &[Series], limits: &[Limit]) -> Vec<Check
             source: "chosen: from steps that are not yet short",
         }
     });
-    let limited = limits.iter().map(|limit| Check {
+    // Near 1/2 the derivation, one vibration at a time, does not hold: the table shows by how much.
+    let is_held = |limit: &&Limit| limit.derived.is_none_or(|derived| derived < 2.0);
+    let limited = limits.iter().filter(is_held).map(|limit| Check {
         quantity: format!("largest stable step over the explicit one, {}", name(&limit.integrator)),
         measured: limit.over_explicit,
         theory: limit.derived.map_or("no limit".into(), |_| "1 / sqrt(1 - 2 beta)".into()),

@@ -13,8 +13,8 @@ pub use body::BodySpec;
 pub use collider::{ColliderSpec, ContactName, SolidSpec};
 pub use material::MaterialSpec;
 pub use numerics::{
-    AdvectionName, EngineName, IntegratorName, IntegratorSpec, KernelName, MethodName, NumericsSpec,
-    PrecisionName, PreconditionerName, RestVolumeName, TransferName,
+    AdvectionName, EngineName, IntegratorSpec, KernelName, MethodName, NumericsSpec, PrecisionName,
+    PreconditionerName, RestVolumeName, SemiImplicitSpec, TransferName, TrapezoidalSpec,
 };
 pub use output::{EndFrom, OutputSpec, TimeUnit};
 pub use placement::{CountOf, CountSpec, LatticeSpec, PlacementSpec};

@@ -61,15 +61,44 @@ pub struct NumericsSpec {
     pub max_steps: u64,
 }
 
-/// Implicit steps and the solve of their linear system.
+/// Implicit steps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum IntegratorSpec {
+    /// A share of the forces at the end of the step.
+    SemiImplicit(SemiImplicitSpec),
+    /// The mean of the forces at both ends.
+    Trapezoidal(TrapezoidalSpec),
+}
+
+/// Semi-implicit steps and the solve of their linear system.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct IntegratorSpec {
-    /// Which.
-    pub kind: IntegratorName,
-    /// Share of the forces at the end of a semi-implicit step.
+pub struct SemiImplicitSpec {
+    /// Share of the forces at the end of the step.
     #[serde(default = "defaults::beta")]
     pub beta: f64,
+    /// Krylov method.
+    #[serde(default)]
+    pub method: MethodName,
+    /// Preconditioner.
+    #[serde(default)]
+    pub preconditioner: PreconditionerName,
+    /// For the residual over the right side.
+    #[serde(default = "defaults::tolerance")]
+    pub tolerance: f64,
+    /// After so many the step is refused.
+    #[serde(default = "defaults::max_iterations")]
+    pub max_iterations: u32,
+    /// Whether the particles' Hessians are made positive semi-definite.
+    #[serde(default)]
+    pub definite: bool,
+}
+
+/// Trapezoidal steps and the solve of their linear system.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrapezoidalSpec {
     /// Krylov method.
     #[serde(default)]
     pub method: MethodName,
@@ -101,7 +130,6 @@ names!(/** B-spline kernels. */ KernelName { Cubic, Quadratic });
 names!(/** Transfers between particles and grid. */ TransferName { Flip, Apic, Mls });
 names!(/** Engines. */ EngineName { Fast, Reference });
 names!(/** Velocities that can move particles. */ AdvectionName { Interpolated, Blended });
-names!(/** Implicit steps. */ IntegratorName { SemiImplicit, Trapezoidal });
 names!(/** Krylov methods. */ MethodName { Minres, ConjugateResiduals });
 names!(/** Preconditioners. */ PreconditionerName { Stiffness, Mass });
 names!(/** Rules for rest volumes. */ RestVolumeName { Uniform, Density });
