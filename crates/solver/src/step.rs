@@ -7,7 +7,7 @@ use crate::error::{Rejection, RejectionReason, SceneError};
 use crate::fast::Fast;
 use crate::geometry::{Matrix, Vector, is_zero};
 use crate::grid::Grid;
-use crate::implicit::{Coefficients, Implicit, PlainStep};
+use crate::implicit::{Implicit, ImplicitStep, add_implicit_forces};
 use crate::ledger::StepLedger;
 use crate::mirror::{self, Fold};
 use crate::momentum::{back_to_the_middle, kinetic_of_motion, kinetic_of_sums, update_grid_velocity};
@@ -85,7 +85,7 @@ impl<T: Real, const D: usize> Workspace<T, D> {
 /// Advances `state` by `dt` [s].
 ///
 /// # Errors
-/// A step that inverts an element or moves a particle more than a cell is rejected; the state is then unchanged.
+/// A step that inverts an element, moves a particle more than a cell, or whose linear system is not solved is rejected; the state is then unchanged.
 pub fn step<T: Real, const D: usize>(
     scene: &Scene<T, D>,
     state: &mut State<T, D>,
@@ -116,14 +116,8 @@ pub fn step<T: Real, const D: usize>(
     add_body_forces(scene, motion, constants, body_acceleration, grid);
     mirror::fold(mirrors, grid, &scene.gravity, folds);
     ledger.kinetic_grid_before = kinetic_of_sums(grid, empty);
-    if let Some((coefficients, how)) = Coefficients::and_solve(&scene.integrator, dt) {
-        let step = PlainStep { scene, motion, constants, grid, folds, empty, time: now, dt };
-        let (forces, solution) = implicit.force_change(step, coefficients, how);
-        solution.accept(how, &mut ledger)?;
-        mirror::restore_sums(folds, grid);
-        grid.sums.iter_mut().zip(&forces).for_each(|(sums, force)| sums.force += force);
-        mirror::fold(mirrors, grid, &scene.gravity, folds);
-    }
+    let implicit_step = ImplicitStep { scene, motion, constants, mirrors, empty };
+    add_implicit_forces(implicit_step, [now, dt], grid, folds, implicit, &mut ledger)?;
     update_grid_velocity(grid, &scene.gravity, dt_t, empty, &mut ledger);
     collide_grid(scene, grid, now, empty, &mut ledger);
     mirror::unfold(folds, grid, &scene.gravity, dt_t, T::of(share.unwrap_or(0.0)), &mut ledger);

@@ -18,6 +18,7 @@ use super::scatter::{MOMENT, OWN_FORCE, SLOPE, scatter_batch};
 use super::simd::{CHANNELS, CHUNK, InstructionSet, Lanes};
 use super::strain::{Matrix, Spectrum, left_strain, recompose, root_less_one, spectrum, volume_change};
 use super::weights::LaneKernel;
+use crate::material::LEAST_SUM_OF_STRETCHES;
 use crate::real::Real;
 
 /// Fields of a chunk's tangents: U, row by row; s s^T A, row by row; the three numbers of each pair.
@@ -126,7 +127,8 @@ fn linearise_lanes<V: Lanes<T>, T: Real, const D: usize>(
     for pair in 0..pairs::<D>() {
         let (i, j, k) = axes::<D>(pair);
         let third = if D == 2 { pressure } else { pressure * stretch[k.min(D - 1)] };
-        let both = strain[i] + strain[j];
+        // The sum of the stretches less 2, held as in the plain tangent.
+        let both = (strain[i] + strain[j]).max(number(LEAST_SUM_OF_STRETCHES - 2.0));
         let (mut flip, mut twist) = (two_mu - third, two_mu * (both / (one + one + both)) + third);
         if how.definite {
             (flip, twist) = (flip.max(zero), twist.max(zero));

@@ -77,8 +77,8 @@ pub(crate) type Released = BTreeSet<(usize, usize)>;
 /// result, and may be the solver's tolerance).
 const LEAVING: f64 = 1e-3;
 
-/// Releases the nodes that obstacles they may leave would have to pull at: those of `held` that `impulse` [kg m/s], the obstacles' on each
-/// of the nodes, draws towards one of them. Returns whether there were any.
+/// Releases the nodes that obstacles they may leave would have to pull at: those of `held` that `impulse_per_mass` [m/s], the
+/// obstacles' on each of the nodes over its mass, draws towards one of them. Returns whether there were any.
 pub(crate) fn release<T: Real, const D: usize>(
     scene: &Scene<T, D>,
     held: &[Held<T, D>],

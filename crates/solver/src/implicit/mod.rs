@@ -15,8 +15,8 @@
 //! rest of the step, contact with friction and mirrors included, goes on as an explicit one does. So momentum is kept to round-off however
 //! coarsely the system was solved, and Coulomb's law sees the whole normal impulse, the solver's reaction included.
 //!
-//! Nodes that an obstacle holds begin with its velocity along its normal (all of it where they stick), in place of v^n, and keep it during the solve. Where it would have to pull
-//! at one that may leave, the node is released and the system solved again.
+//! Nodes that an obstacle holds begin with its velocity along its normal (all of it where they stick), in place of v^n, and keep it during
+//! the solve. Where it would have to pull at one that may leave, the node is released and the system solved again.
 
 mod constraint;
 pub mod krylov;
@@ -28,7 +28,9 @@ mod tests;
 pub(crate) use constraint::{Held, Released, held_nodes, release};
 use krylov::Goal;
 pub use krylov::{LinearSystem, Method, Solution};
-pub(crate) use plain::{Implicit, PlainStep};
+#[cfg(test)]
+pub(crate) use plain::PlainStep;
+pub(crate) use plain::{Implicit, ImplicitStep, add_implicit_forces};
 
 use crate::error::{Rejection, RejectionReason};
 use crate::ledger::StepLedger;
@@ -63,9 +65,7 @@ impl Coefficients {
             }
         }
     }
-}
 
-impl Coefficients {
     /// Of a step of `dt` [s], with how its system is solved; `None` where there is none.
     pub fn and_solve(integrator: &Integrator, dt: f64) -> Option<(Self, &LinearSolve)> {
         Some((Self::of(integrator, dt)?, integrator.solve()?))
@@ -113,7 +113,7 @@ pub(crate) trait StepSystem: LinearSystem {
     fn release(&self, change: &Self::Vector, image: &Self::Vector, released: &mut Released) -> bool;
 }
 
-/// What the step's forces change by, times - dt: s H v^n + c H D as particles see it; and how the solve ended.
+/// What the step's forces change by, times - dt: s H v^n + c H D as particles see it, anything where the solve has not converged; and how it ended.
 pub(crate) fn solve_step<S: StepSystem>(
     system: &mut S,
     coefficients: Coefficients,
@@ -136,6 +136,9 @@ pub(crate) fn solve_step<S: StepSystem>(
         system.project(&mut right);
         let (mut change, solution) = krylov::solve(system, how.method, &right, goal, |_| ());
         iterations += solution.iterations;
+        if !solution.converged {
+            return (image, Solution { iterations, ..solution });
+        }
         let mut moved = begin.clone();
         system.combine(c, &change, s, &mut moved);
         system.hessian(&moved, &mut image);

@@ -3,8 +3,11 @@
 use super::krylov::{LinearSystem, Solution};
 use super::operator::{apply_hessian, node_stiffness};
 use super::{Coefficients, Held, Released, StepSystem, held_nodes, release, solve_step, weighted};
+use crate::collision::MirrorPlane;
+use crate::error::Rejection;
 use crate::geometry::{Vector, is_zero};
 use crate::grid::{Grid, NodeSums};
+use crate::ledger::StepLedger;
 use crate::material::{ConstitutiveModel, Tangent};
 use crate::mirror::{self, Fold};
 use crate::particles::{ParticleConstants, ParticleMotion};
@@ -32,6 +35,17 @@ pub(crate) struct PlainStep<'a, T: Real, const D: usize> {
     /// When it begins, and its length [s].
     pub time: f64,
     pub dt: f64,
+}
+
+/// What an implicit step needs beside the grid.
+#[derive(Clone, Copy)]
+pub(crate) struct ImplicitStep<'a, T: Real, const D: usize> {
+    pub scene: &'a Scene<T, D>,
+    pub motion: &'a ParticleMotion<T, D>,
+    pub constants: &'a ParticleConstants<T>,
+    pub mirrors: &'a [(usize, MirrorPlane)],
+    /// A node of no more mass counts as empty [kg].
+    pub empty: T,
 }
 
 /// The system on the nodes of the reference engine's grid.
@@ -177,6 +191,29 @@ impl<T: Real, const D: usize> StepSystem for System<'_, T, D> {
         let push = |node: usize| change[node] + (folded[node] - self.pushed[node]) / self.mass[node];
         release(scene, &self.held, |node| grid.position(node), push, time, dt, released)
     }
+}
+
+/// Adds to the nodes' forces what they change by over an implicit step of `dt` [s] from `time` [s]; sums are folded before and after.
+///
+/// # Errors
+/// A solve that has not converged.
+pub(crate) fn add_implicit_forces<T: Real, const D: usize>(
+    step: ImplicitStep<'_, T, D>,
+    [time, dt]: [f64; 2],
+    grid: &mut Grid<T, D>,
+    folds: &mut Vec<Fold<T, D>>,
+    scratch: &mut Implicit<T, D>,
+    ledger: &mut StepLedger<D>,
+) -> Result<(), Rejection> {
+    let ImplicitStep { scene, motion, constants, mirrors, empty } = step;
+    let Some((coefficients, how)) = Coefficients::and_solve(&scene.integrator, dt) else { return Ok(()) };
+    let step = PlainStep { scene, motion, constants, grid, folds, empty, time, dt };
+    let (forces, solution) = scratch.force_change(step, coefficients, how);
+    solution.accept(how, ledger)?;
+    mirror::restore_sums(folds, grid);
+    grid.sums.iter_mut().zip(&forces).for_each(|(sums, force)| sums.force += force);
+    mirror::fold(mirrors, grid, &scene.gravity, folds);
+    Ok(())
 }
 
 impl<T: Real, const D: usize> Implicit<T, D> {

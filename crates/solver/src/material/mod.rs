@@ -7,6 +7,7 @@ mod tangent;
 
 pub use elastic::Elastic;
 pub use snow::Snow;
+pub(crate) use tangent::LEAST_SUM_OF_STRETCHES;
 pub use tangent::Tangent;
 
 use crate::geometry::{Matrix, Vector};

@@ -6,8 +6,8 @@ use crate::math::{SignedSvd, signed_svd};
 use crate::real::Real;
 
 /// Sums of two stretches nearer to 0 than this count as this: where they vanish (F inverted), the rotation of F jumps and has no
-/// derivative (chosen: far from any stretch of material that is not turned inside out; the tangent stays below 200 mu).
-const LEAST_SUM_OF_STRETCHES: f64 = 0.01;
+/// derivative (chosen: far from any stretch of material that is not turned inside out; the tangent stays below 400 mu).
+pub(crate) const LEAST_SUM_OF_STRETCHES: f64 = 0.01;
 
 /// dP(dF) of one particle at one F, ready to be applied many times.
 ///

@@ -93,7 +93,7 @@ fn worst_place(kernel: KernelKind) -> f64 {
 
 /// Whether `steps` steps at dt c / h = `courant` leave the energy bounded: below the limit an undamped step swings by a factor of 50 or more;
 /// above it 1e6 is soon reached.
-fn bounded<const D: usize>(
+pub(super) fn bounded<const D: usize>(
     scene: &Scene<f64, D>,
     start: &State<f64, D>,
     dt: f64,
