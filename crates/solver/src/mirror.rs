@@ -170,14 +170,6 @@ where
     }
 }
 
-/// Folds sums that have no direction.
-pub(crate) fn fold_numbers<T: Real, const D: usize>(folds: &[Fold<T, D>], field: &mut [T]) {
-    for fold in folds.iter().filter(|fold| fold.outer != fold.inner) {
-        let image = std::mem::replace(&mut field[fold.outer], T::zero());
-        field[fold.inner] += image;
-    }
-}
-
 /// The nodes on planes, each with the axis along which it does not move.
 pub(crate) fn nodes_on_planes<T: Real, const D: usize>(
     folds: &[Fold<T, D>],

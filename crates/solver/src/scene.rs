@@ -136,10 +136,8 @@ pub struct LinearSolve {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Preconditioner {
     /// The nodes' masses (S13).
-    Mass,
-    /// Masses and a bound on what the Hessian has on its diagonal, from the stiffness of the particles that reach a node.
     #[default]
-    Stiffness,
+    Mass,
 }
 
 impl Default for LinearSolve {

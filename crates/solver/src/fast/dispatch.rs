@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use super::batch::Scratch;
 use super::energy;
-use super::gather;
+use super::gather::{self, End};
 use super::grid::Node;
 use super::hessian::{self, Linearisation};
 use super::material::MaterialNumbers;
@@ -122,6 +122,15 @@ for_each_set!(
     ) -> () = gather::gather_block
 );
 for_each_set!(
+    fn keep[T: Real, K: LaneKernel, const D: usize, const MOMENTS: bool][T, K, D, MOMENTS](
+        end: &End<T>,
+        layout: Layout<D>,
+        block: &Block<D>,
+        fields: &mut [[T; CHUNK]],
+        scratch: &mut Scratch<T>,
+    ) -> () = gather::keep_block
+);
+for_each_set!(
     fn hessian[T: Real, K: LaneKernel, const D: usize, const MOMENTS: bool, const SLOPES: bool][T, K, D, MOMENTS, SLOPES](
         particles: &Particles<T, D>,
         tangents: &[[T; CHUNK]],
@@ -222,6 +231,8 @@ pub(super) struct Kernels<T: Real, const D: usize> {
         &mut Scratch<T>,
         &mut BlockReport<T, D>,
     ),
+    /// [`gather::keep_block`].
+    pub keep_block: fn(Set, &Scene<T, D>, &End<T>, Layout<D>, &Block<D>, &mut [[T; CHUNK]], &mut Scratch<T>),
     /// [`sort::locate`].
     pub locate: fn(Set, &Scene<T, D>, Layout<D>, &Block<D>, &[[T; CHUNK]], &mut [[Course; CHUNK]]),
     /// [`hessian::hessian_block`].
@@ -258,6 +269,7 @@ impl<T: Real, const D: usize> Kernels<T, D> {
         Kernels {
             scatter_block: scatter_block::<T, D>,
             gather_block: gather_block::<T, D>,
+            keep_block: keep_block::<T, D>,
             locate: locate::<T, D>,
             hessian_block: hessian_block::<T, D>,
             linearise: linearise::<T, D>,
@@ -302,6 +314,27 @@ fn gather_block<T: Real, const D: usize>(
     report: &mut BlockReport<T, D>,
 ) {
     for_kernel_and_terms!(update.scene, gather, set, update, layout, block, fields, labels, scratch, report)
+}
+
+fn keep_block<T: Real, const D: usize>(
+    set: Set,
+    scene: &Scene<T, D>,
+    end: &End<T>,
+    layout: Layout<D>,
+    block: &Block<D>,
+    fields: &mut [[T; CHUNK]],
+    scratch: &mut Scratch<T>,
+) {
+    match (scene.kernel, scene.transfer.keeps_affine()) {
+        (KernelKind::Cubic, true) => keep::<T, Cubic, D, true>(set, end, layout, block, fields, scratch),
+        (KernelKind::Cubic, false) => keep::<T, Cubic, D, false>(set, end, layout, block, fields, scratch),
+        (KernelKind::Quadratic, true) => {
+            keep::<T, Quadratic, D, true>(set, end, layout, block, fields, scratch)
+        }
+        (KernelKind::Quadratic, false) => {
+            keep::<T, Quadratic, D, false>(set, end, layout, block, fields, scratch)
+        }
+    }
 }
 
 fn hessian_block<T: Real, const D: usize>(

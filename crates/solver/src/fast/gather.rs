@@ -1,7 +1,7 @@
 //! From grid to particles, block by block through a tile of nodes: stage 7 of a step, and the stages that follow it.
 
 use super::batch::{BATCH, Batch, GIVEN, Next, Scratch, row_offset, rows, span, weigh};
-use super::particles::{Block, Label, Layout};
+use super::particles::{Block, Label, Layout, store_matrix};
 use super::simd::{CHANNELS, CHUNK, InstructionSet, Lanes, Row};
 use super::strain::Matrix;
 use super::update::{BlockReport, Update, update_batch};
@@ -15,8 +15,6 @@ pub(super) const TOLD_VELOCITY: usize = 0;
 pub(super) const TOLD_FIRST: usize = 1;
 pub(super) const TOLD_SECOND: usize = 4;
 pub(super) const TOLD_CHANGE: usize = 4;
-/// Of a trapezoidal step, whose other groups tell of its middle: what particles keep of its end, and by axis C.
-pub(super) const TOLD_END: usize = 4;
 
 /// What some particles of a batch, side by side, were told.
 #[derive(Clone, Copy)]
@@ -50,7 +48,7 @@ impl<'a, T: Real> Told<'a, T> {
 }
 
 /// Stages 6 to 9 for the particles of a block, from the nodes' motion in the tile (and its change over the step in the second tile, in 3D
-/// FLIP; in a trapezoidal step from that in its middle, and at its end in the second tile).
+/// FLIP).
 #[inline(always)]
 pub(super) fn gather_block<
     I: InstructionSet<T>,
@@ -78,29 +76,66 @@ pub(super) fn gather_block<
         let (fields, labels) = (&mut fields[first * stride..last * stride], &mut labels[first..last]);
         first = last;
         let count = labels.len() * CHUNK;
-        let batch = &mut scratch.batch;
-        weigh::<I, T, K, D, MOMENTS, SLOPES>(batch, block, fields, stride, per_spacing);
         let Scratch { tile, second_tile, batch } = scratch;
-        if update.midway {
-            let nothing = Next::NOTHING;
-            if SLOPES {
-                gather_batch::<I, T, K, D, false, true>(batch, count, TOLD_VELOCITY, tile, next);
-            } else {
-                gather_batch::<I, T, K, D, true, false>(batch, count, TOLD_VELOCITY, tile, next);
-            }
-            if MOMENTS {
-                gather_batch::<I, T, K, D, true, false>(batch, count, TOLD_END, second_tile, nothing);
-            } else {
-                gather_batch::<I, T, K, D, false, false>(batch, count, TOLD_END, second_tile, nothing);
-            }
-        } else {
-            gather_batch::<I, T, K, D, MOMENTS, SLOPES>(batch, count, TOLD_VELOCITY, tile, next);
-        }
-        if D == 3 && update.share.is_some() && !update.midway {
+        weigh::<I, T, K, D, MOMENTS, SLOPES>(batch, block, fields, stride, per_spacing);
+        gather_batch::<I, T, K, D, MOMENTS, SLOPES>(batch, count, TOLD_VELOCITY, tile, next);
+        if D == 3 && update.share.is_some() {
             gather_batch::<I, T, K, D, false, false>(batch, count, TOLD_CHANGE, second_tile, Next::NOTHING);
         }
         update_batch::<I, T, K, D, MOMENTS, SLOPES>(update, scratch, layout, block, fields, labels, report);
     }
+}
+
+/// Has the particles of a block keep what the nodes in the tile say of the end of a trapezoidal step: velocity, with FLIP its share of what
+/// they had beside it, and C where `MOMENTS`. They move by the step's middle afterwards.
+#[inline(always)]
+pub(super) fn keep_block<
+    I: InstructionSet<T>,
+    T: Real,
+    K: LaneKernel,
+    const D: usize,
+    const MOMENTS: bool,
+>(
+    end: &End<T>,
+    layout: Layout<D>,
+    block: &Block<D>,
+    fields: &mut [[T; CHUNK]],
+    scratch: &mut Scratch<T>,
+) {
+    let stride = layout.fields();
+    let Scratch { tile, batch, .. } = scratch;
+    let (share, to_affine) =
+        (I::Lanes::splat(end.share), I::Lanes::splat(end.inverse_inertia * end.per_spacing));
+    for fields in fields.chunks_mut(stride * BATCH / CHUNK) {
+        let count = fields.len() / stride * CHUNK;
+        weigh::<I, T, K, D, MOMENTS, false>(batch, block, fields, stride, end.per_spacing);
+        gather_batch::<I, T, K, D, MOMENTS, false>(batch, count, TOLD_VELOCITY, tile, Next::NOTHING);
+        for (number, chunk) in fields.chunks_exact_mut(stride).enumerate() {
+            let mut lane = 0;
+            while lane < CHUNK {
+                let told = Told::from(batch, number * CHUNK + lane);
+                let velocity = told.group::<I::Lanes>(TOLD_VELOCITY);
+                for i in 0..D {
+                    let place = &mut chunk[Layout::<D>::VELOCITY + i][lane..];
+                    I::Lanes::load(place).mul_add(share, velocity[i]).store(place);
+                }
+                if MOMENTS {
+                    let affine = told.matrix::<I::Lanes, D>(TOLD_FIRST, to_affine);
+                    store_matrix(&affine, chunk, Layout::<D>::AFFINE, lane);
+                }
+                lane += I::Lanes::COUNT;
+            }
+        }
+    }
+}
+
+/// What the particles of a trapezoidal step keep of its end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct End<T> {
+    /// Of their own velocity: the FLIP share, 0 for others.
+    pub share: T,
+    pub inverse_inertia: T,
+    pub per_spacing: T,
 }
 
 /// Tells the batch's particles what their nodes in the tile say: group 0 the sum of w times the channels, then for each axis that sum with

@@ -10,12 +10,12 @@ use super::step::Fast;
 use crate::error::Rejection;
 use crate::geometry::Vector;
 use crate::implicit::{
-    Coefficients, Held, LinearSystem, Released, StepSystem, held_nodes, release, solve_step, weighted,
+    Coefficients, Held, LinearSystem, Released, StepSystem, held_nodes, release, solve_step,
 };
 use crate::ledger::StepLedger;
 use crate::mirror::{self, Fold};
 use crate::real::Real;
-use crate::scene::{LinearSolve, Preconditioner, Scene, Transfer};
+use crate::scene::{LinearSolve, Scene, Transfer};
 
 /// Blocks of nodes that a task takes at least when it does no more than add them up (chosen: a task of some microseconds).
 const LEAST_BLOCKS: usize = 64;
@@ -28,9 +28,9 @@ struct System<'a, T: Real, const D: usize> {
     tangents: &'a [[T; CHUNK]],
     folds: &'a [Fold<T, D>],
     held: Vec<Held<T, D>>,
-    /// Of every node: its mass, 0 where it counts as empty; one over the preconditioner's entry, 0 likewise; v^n; dt (f + m g).
+    /// Of every node: its mass, 0 where it counts as empty; one over it, 0 likewise; v^n; dt (f + m g).
     mass: Vec<T>,
-    per_weight: Vec<T>,
+    per_mass: Vec<T>,
     start: Vec<Node<T>>,
     pushed: Vec<Node<T>>,
     /// u beyond the mirrors too, where there are any.
@@ -104,7 +104,7 @@ impl<T: Real, const D: usize> LinearSystem for System<'_, T, D> {
     fn precondition(&mut self, r: &Self::Vector, out: &mut Self::Vector) {
         self.for_blocks(out, |first, part| {
             for (k, out) in part.iter_mut().enumerate() {
-                *out = r[first + k].map(|r| r * self.per_weight[first + k]);
+                *out = r[first + k].map(|r| r * self.per_mass[first + k]);
             }
         });
     }
@@ -263,17 +263,8 @@ impl<T: Real, const D: usize> Fast<T, D> {
             held(sums[D] > self.empty, &|k| (force[k] + gravity[k] * sums[D]) * dt_t)
         };
         let pushed = nodes().map(of_push).collect();
-        let weights = match how.preconditioner {
-            Preconditioner::Mass => mass.clone(),
-            Preconditioner::Stiffness => {
-                let mut stiffness: Vec<T> = self.grid.forces.iter().map(|force| force[D]).collect();
-                mirror::fold_numbers(&self.folds, &mut stiffness);
-                mass.iter().zip(stiffness).map(|(&m, k)| weighted(m, k, c, scene.spacing)).collect()
-            }
-        };
-        let per_weight = weights.iter().zip(&mass);
-        let per_weight =
-            per_weight.map(|(&w, &m)| if m > T::zero() { T::one() / w } else { T::zero() }).collect();
+        let per_mass = |&m: &T| if m > T::zero() { T::one() / m } else { T::zero() };
+        let per_mass = mass.iter().map(per_mass).collect();
         let mut system = System {
             fast: self,
             scene,
@@ -281,7 +272,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
             folds: &self.folds,
             held: Vec::new(),
             mass,
-            per_weight,
+            per_mass,
             start,
             pushed,
             reflected: Vec::new(),

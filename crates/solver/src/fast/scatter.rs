@@ -28,8 +28,6 @@ pub(super) struct Terms<T> {
     pub inverse_inertia: T,
     /// Whether nodes keep forces apart from momentum.
     pub apart: bool,
-    /// Whether, beside forces, nodes are given their particles' stiffness w V (lambda + 2 mu) [J].
-    pub stiffness: bool,
 }
 
 /// Fills in what the particles of `chunks` chunks give. With their impulse over the step where forces are not kept apart: MLS, which takes
@@ -74,12 +72,6 @@ fn give<I: InstructionSet<T>, T: Real, const D: usize, const MOMENTS: bool, cons
                 }
             }
             value[D] = mass;
-            if terms.stiffness {
-                let moduli = material.moduli::<I::Lanes>(lane);
-                own[D] = (moduli.lambda + moduli.mu + moduli.mu)
-                    * I::Lanes::load(field(Layout::<D>::VOLUME))
-                    * I::Lanes::load(field(Layout::<D>::STIFFNESS));
-            }
             I::Lanes::store_channels(value, &mut given[VALUE * CHANNELS..], GIVEN);
             if terms.apart {
                 I::Lanes::store_channels(own, &mut given[OWN_FORCE * CHANNELS..], GIVEN);
@@ -152,7 +144,7 @@ pub(super) fn scatter_block<
         if !terms.apart {
             scatter_batch::<I, T, K, D, MOMENTS, SLOPES>(batch, count, [VALUE, MOMENT, SLOPE], tile, next);
         } else if D == 2 {
-            let forced = particles.layout.forced() || terms.stiffness;
+            let forced = particles.layout.forced();
             scatter_planar::<I, T, K, D, MOMENTS, SLOPES>(batch, count, forced, [tile, second_tile], next);
         } else {
             // Forces go with slopes, or with MLS's moments.

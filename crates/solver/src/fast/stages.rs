@@ -2,6 +2,7 @@
 
 use super::batch::Scratch;
 use super::contact::{is_near, surroundings};
+use super::gather::End;
 use super::grid::{BLOCK_NODES, BlockGrid, add_run, block_edge, copy_run};
 use super::nodes::{NodeEnergies, Push, collide_nodes};
 use super::particles::Particles;
@@ -15,7 +16,7 @@ use crate::error::Rejection;
 use crate::geometry::Vector;
 use crate::ledger::StepLedger;
 use crate::real::Real;
-use crate::scene::{Integrator, Preconditioner, Scene};
+use crate::scene::{Integrator, Scene};
 use crate::watchdog::StoredEnergy;
 
 /// Blocks of nodes that a task takes at least (chosen: a thousand nodes are long beside the cost of handing out a task).
@@ -32,11 +33,6 @@ impl<T: Real, const D: usize> Fast<T, D> {
             dt,
             inverse_inertia: T::of(scene.kernel.inverse_inertia()),
             apart,
-            stiffness: apart
-                && scene
-                    .integrator
-                    .solve()
-                    .is_some_and(|solve| solve.preconditioner == Preconditioner::Stiffness),
         };
         let (mut sums, mut forces) =
             (std::mem::take(&mut self.grid.sums), std::mem::take(&mut self.grid.forces));
@@ -148,11 +144,13 @@ impl<T: Real, const D: usize> Fast<T, D> {
     ) -> Result<(), Rejection> {
         let inverse_inertia = T::of(scene.kernel.inverse_inertia());
         let midway = matches!(scene.integrator, Integrator::Trapezoidal { .. });
-        let update = Update { scene, materials: &self.materials, share, inverse_inertia, interval, midway };
-        let copies_change = share.is_some() && D == 3 && !midway;
         if midway {
             self.grid.meet_midway(scene, interval.arrival - interval.dt.as_f64(), share);
+            self.keep_end(scene, share.unwrap_or(T::zero()));
         }
+        let share = share.filter(|_| !midway);
+        let update = Update { scene, materials: &self.materials, share, inverse_inertia, interval, midway };
+        let copies_change = share.is_some() && D == 3;
         let Particles { layout, fields, labels, blocks, .. } = &mut self.particles;
         let (layout, blocks) = (*layout, &*blocks);
         let (fields, labels) = (Shared::new(fields), Shared::new(labels));
@@ -168,9 +166,6 @@ impl<T: Real, const D: usize> Fast<T, D> {
             grid.for_tile_runs(home, &mut |tile, node, count| {
                 let first = if midway { &grid.middle } else { &grid.motion };
                 copy_run(&first[node..node + count], tile, &mut scratch.tile);
-                if midway {
-                    copy_run(&grid.ending[node..node + count], tile, &mut scratch.second_tile);
-                }
                 if copies_change {
                     copy_run(&grid.change[node..node + count], tile, &mut scratch.second_tile);
                 }
@@ -205,6 +200,27 @@ impl<T: Real, const D: usize> Fast<T, D> {
         }
         ledger.particle_contact_loss = ledger.contact_loss() - grid_loss;
         Ok(())
+    }
+
+    /// Has particles keep the end of a trapezoidal step, with the FLIP share `share`.
+    fn keep_end(&mut self, scene: &Scene<T, D>, share: T) {
+        let inverse_inertia = T::of(scene.kernel.inverse_inertia());
+        let end = End { share, inverse_inertia, per_spacing: T::one() / scene.spacing };
+        let Particles { layout, fields, blocks, .. } = &mut self.particles;
+        let (layout, blocks) = (*layout, &*blocks);
+        let fields = Shared::new(fields);
+        let (set, kernels, grid) = (self.set, self.kernels, &self.grid);
+        self.pool.run(blocks.len(), 1, Scratch::new::<D>, |scratch, home| {
+            let chunks = blocks[home].chunk_range();
+            #[expect(unsafe_code, reason = "tasks write to chunks of their own")]
+            // SAFETY: every chunk belongs to one block, and every block to one task.
+            let fields =
+                unsafe { fields.range(chunks.start * layout.fields(), chunks.len() * layout.fields()) };
+            grid.for_tile_runs(home, &mut |tile, node, count| {
+                copy_run(&grid.ending[node..node + count], tile, &mut scratch.tile);
+            });
+            (kernels.keep_block)(set, scene, &end, layout, &blocks[home], fields, scratch);
+        });
     }
 
     /// Elastic and potential energy, where `origin` is the world position of the local one.

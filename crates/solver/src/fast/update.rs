@@ -2,11 +2,11 @@
 
 use super::batch::{BATCH, Scratch};
 use super::contact::{collide_lanes, pack, unpack};
-use super::gather::{TOLD_CHANGE, TOLD_END, TOLD_FIRST, TOLD_SECOND, TOLD_VELOCITY, Told};
+use super::gather::{TOLD_CHANGE, TOLD_FIRST, TOLD_SECOND, TOLD_VELOCITY, Told};
 use super::grid::block_edge;
 use super::material::{ChunkMaterial, MaterialNumbers};
 use super::particles::{Block, Label, Layout, load_matrix, store_matrix};
-use super::simd::{CHANNELS, CHUNK, InstructionSet, Lanes};
+use super::simd::{CHUNK, InstructionSet, Lanes};
 use super::strain::{
     Flow, Matrix, compose, exponential, flow, left_strain, stretch_factor, volume_change, yields,
 };
@@ -25,7 +25,7 @@ pub(super) struct Update<'a, T: Real, const D: usize> {
     pub share: Option<T>,
     pub inverse_inertia: T,
     pub interval: Interval<T>,
-    /// Whether particles move and deform by the motion in the middle of the step, a trapezoidal one; they are then told of its end as well.
+    /// Whether particles have kept the end of the step, a trapezoidal one, and are told of its middle, by which they move and deform.
     pub midway: bool,
 }
 
@@ -174,25 +174,22 @@ fn update_lanes<
     interpolated.copy_from_slice(&group[..D]);
     kept.copy_from_slice(&group[..D]);
     if update.midway {
-        kept.copy_from_slice(&told.group::<V>(TOLD_END)[..D]);
+        for i in 0..D {
+            kept[i] = V::load(&chunk[Layout::<D>::VELOCITY + i][lane..]);
+        }
     }
     if let Some(share) = update.share {
         let (flip, pic) = (V::splat(share), V::splat(T::one() - share));
-        let change = match (update.midway, D) {
-            (true, _) => [zero; CHANNELS],
-            (false, 2) => [group[2], group[3], zero, zero],
-            (false, _) => told.group::<V>(TOLD_CHANGE),
-        };
+        let change = if D == 2 { [group[2], group[3], zero, zero] } else { told.group::<V>(TOLD_CHANGE) };
         for i in 0..D {
             let before = V::load(&chunk[Layout::<D>::VELOCITY + i][lane..]);
-            let end = if update.midway { kept[i] } else { interpolated[i] * pic };
-            kept[i] = (before + change[i]).mul_add(flip, end);
+            kept[i] = (before + change[i]).mul_add(flip, interpolated[i] * pic);
         }
     }
     let mut affine_squared = zero;
     if MOMENTS {
         let affine = if update.midway {
-            told.matrix::<V, D>(TOLD_END + 1, to_affine)
+            load_matrix::<T, V, D>(chunk, Layout::<D>::AFFINE, lane)
         } else if SLOPES {
             told.matrix::<V, D>(TOLD_SECOND, to_affine)
         } else {

@@ -34,12 +34,7 @@ pub(crate) use plain::{Implicit, ImplicitStep, add_implicit_forces};
 
 use crate::error::{Rejection, RejectionReason};
 use crate::ledger::StepLedger;
-use crate::real::Real;
 use crate::scene::{Integrator, LinearSolve};
-
-/// What makes a preconditioner's share of a node from its stiffness sum w V (lambda + 2 mu) [J]: P = m + c STIFFNESS_SHARE / h^2 of it.
-/// chosen: the diagonal of the Hessian to its order of magnitude; what it gives is measured in docs/integrators.md.
-pub(crate) const STIFFNESS_SHARE: f64 = 1.0;
 
 /// c and s of a step.
 #[derive(Clone, Copy, Debug)]
@@ -149,9 +144,4 @@ pub(crate) fn solve_step<S: StepSystem>(
             return (image, Solution { iterations, ..solution });
         }
     }
-}
-
-/// The preconditioner's entry of a node of mass `m` whose stiffness is `stiffness`: see [`STIFFNESS_SHARE`].
-pub(crate) fn weighted<T: Real>(m: T, stiffness: T, c: f64, spacing: T) -> T {
-    m + stiffness * (T::of(c * STIFFNESS_SHARE) / (spacing * spacing))
 }

@@ -76,37 +76,3 @@ fn gradient<T: Real, K: Kernel, const D: usize>(
     }
     gradient
 }
-
-/// sum_p w V_p (lambda + 2 mu) of every node [J], the modulus that carries compression along an axis.
-pub(crate) fn node_stiffness<T: Real, const D: usize>(
-    scene: &Scene<T, D>,
-    motion: &ParticleMotion<T, D>,
-    modulus: impl Fn(usize) -> T,
-    grid: &Grid<T, D>,
-    out: &mut [T],
-) {
-    out.fill(T::zero());
-    for_kernel_and_transfer!(scene, add_stiffness, motion, modulus, grid, out)
-}
-
-fn add_stiffness<T: Real, K: Kernel, const D: usize, const AFFINE: bool, const MLS: bool>(
-    motion: &ParticleMotion<T, D>,
-    modulus: impl Fn(usize) -> T,
-    grid: &Grid<T, D>,
-    out: &mut [T],
-) {
-    let per_spacing = T::one() / grid.spacing;
-    for p in 0..motion.len() {
-        let stencil =
-            Stencil::<T, D>::with::<K, false, false>(&motion.position[p], grid.spacing, per_spacing);
-        let anchor: Anchor<D> = grid.anchor(p);
-        let modulus = modulus(p);
-        for index in 0..Stencil::<T, D>::rows::<K>() {
-            let row = stencil.row::<K>(index);
-            let first = anchor.row(&row.offset);
-            for k in 0..K::SUPPORT {
-                out[first + k] += modulus * (row.weight * stencil.weight[D - 1][k]);
-            }
-        }
-    }
-}

@@ -1,18 +1,18 @@
 //! The semi-implicit step of the reference engine.
 
 use super::krylov::{LinearSystem, Solution};
-use super::operator::{apply_hessian, node_stiffness};
-use super::{Coefficients, Held, Released, StepSystem, held_nodes, release, solve_step, weighted};
+use super::operator::apply_hessian;
+use super::{Coefficients, Held, Released, StepSystem, held_nodes, release, solve_step};
 use crate::collision::MirrorPlane;
 use crate::error::Rejection;
 use crate::geometry::{Vector, is_zero};
 use crate::grid::{Grid, NodeSums};
 use crate::ledger::StepLedger;
-use crate::material::{ConstitutiveModel, Tangent};
+use crate::material::Tangent;
 use crate::mirror::{self, Fold};
 use crate::particles::{ParticleConstants, ParticleMotion};
 use crate::real::Real;
-use crate::scene::{LinearSolve, Preconditioner, Scene};
+use crate::scene::{LinearSolve, Scene};
 
 /// Scratch memory of the solve.
 #[derive(Clone, Debug, Default)]
@@ -53,9 +53,8 @@ struct System<'a, T: Real, const D: usize> {
     step: PlainStep<'a, T, D>,
     tangents: &'a [Tangent<T, D>],
     held: Vec<Held<T, D>>,
-    /// Of every node: its mass, 0 where it counts as empty; the preconditioner's entry; v^n; dt (f + m g).
+    /// Of every node: its mass, 0 where it counts as empty; v^n; dt (f + m g).
     mass: Vec<T>,
-    weight: Vec<T>,
     start: Vec<Vector<T, D>>,
     pushed: Vec<Vector<T, D>>,
     c: f64,
@@ -68,7 +67,6 @@ impl<'a, T: Real, const D: usize> System<'a, T, D> {
         step: PlainStep<'a, T, D>,
         tangents: &'a [Tangent<T, D>],
         c: f64,
-        preconditioner: Preconditioner,
         reflected: &'a mut Vec<Vector<T, D>>,
     ) -> Self {
         let PlainStep { scene, grid, empty, dt, .. } = step;
@@ -80,28 +78,8 @@ impl<'a, T: Real, const D: usize> System<'a, T, D> {
         };
         let start = holding(&|sums| sums.momentum / sums.mass);
         let pushed = holding(&|sums| (sums.force + scene.gravity * sums.mass) * dt);
-        let weight = match preconditioner {
-            Preconditioner::Mass => mass.clone(),
-            Preconditioner::Stiffness => {
-                let with = |(m, k)| if m > T::zero() { weighted(m, k, c, scene.spacing) } else { T::zero() };
-                mass.iter().copied().zip(stiffness(&step)).map(with).collect()
-            }
-        };
-        System { step, tangents, held: Vec::new(), mass, weight, start, pushed, c, reflected }
+        System { step, tangents, held: Vec::new(), mass, start, pushed, c, reflected }
     }
-}
-
-/// sum w V_p (lambda + 2 mu) of every node, those beyond mirrors folded [J].
-fn stiffness<T: Real, const D: usize>(step: &PlainStep<'_, T, D>) -> Vec<T> {
-    let PlainStep { scene, motion, constants, grid, folds, .. } = *step;
-    let modulus = |p: usize| {
-        let lame = ConstitutiveModel::<T, D>::lame(&scene.materials[constants.material[p] as usize]);
-        (lame.lambda + lame.mu + lame.mu) * motion.stiffness[p] * constants.volume[p]
-    };
-    let mut stiffness = vec![T::zero(); grid.node_count()];
-    node_stiffness(scene, motion, modulus, grid, &mut stiffness);
-    mirror::fold_numbers(folds, &mut stiffness);
-    stiffness
 }
 
 impl<T: Real, const D: usize> LinearSystem for System<'_, T, D> {
@@ -113,8 +91,8 @@ impl<T: Real, const D: usize> LinearSystem for System<'_, T, D> {
     }
 
     fn precondition(&mut self, r: &Self::Vector, out: &mut Self::Vector) {
-        for ((out, r), &weight) in out.iter_mut().zip(r).zip(&self.weight) {
-            *out = if weight > T::zero() { *r / weight } else { Vector::zeros() };
+        for ((out, r), &mass) in out.iter_mut().zip(r).zip(&self.mass) {
+            *out = if mass > T::zero() { *r / mass } else { Vector::zeros() };
         }
     }
 
@@ -227,7 +205,7 @@ impl<T: Real, const D: usize> Implicit<T, D> {
         self.linearise(&step, how);
         let Implicit { tangents, reflected } = self;
         let c = coefficients.of_change;
-        let mut system = System::new(step, tangents, c, how.preconditioner, reflected);
+        let mut system = System::new(step, tangents, c, reflected);
         let (mut forces, solution) = solve_step(&mut system, coefficients, how);
         let per_step = T::of(-1.0 / step.dt);
         forces.iter_mut().for_each(|force| *force *= per_step);

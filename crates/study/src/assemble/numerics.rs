@@ -97,7 +97,6 @@ fn solve(method: MethodName, preconditioner: PreconditionerName, rest: LinearSol
         MethodName::ConjugateResiduals => Method::ConjugateResiduals,
     };
     let preconditioner = match preconditioner {
-        PreconditionerName::Stiffness => Preconditioner::Stiffness,
         PreconditionerName::Mass => Preconditioner::Mass,
     };
     LinearSolve { method, preconditioner, ..rest }
