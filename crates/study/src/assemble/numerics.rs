@@ -98,6 +98,7 @@ fn solve(method: MethodName, preconditioner: PreconditionerName, rest: LinearSol
     };
     let preconditioner = match preconditioner {
         PreconditionerName::Mass => Preconditioner::Mass,
+        PreconditionerName::TwoLevel => Preconditioner::TwoLevel,
     };
     LinearSolve { method, preconditioner, ..rest }
 }
