@@ -132,14 +132,12 @@ pub struct LinearSolve {
     pub definite: bool,
 }
 
-/// The stand-in for the system's matrix that residuals are weighted by.
+/// The least costly stand-in for the system's matrix.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Preconditioner {
     /// The nodes' masses (S13).
     #[default]
     Mass,
-    /// Masses and stiffness node by node, and elasticity on a coarser grid: for stiff bodies and steps of many explicit ones.
-    TwoLevel,
 }
 
 impl Default for LinearSolve {

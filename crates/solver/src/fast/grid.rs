@@ -131,11 +131,6 @@ impl<T: Real, const D: usize> BlockGrid<T, D> {
         }
     }
 
-    /// Coordinates of node `index`.
-    pub fn coordinates(&self, index: usize) -> [i32; D] {
-        node_coordinates(self.first_node(index / BLOCK_NODES), index % BLOCK_NODES)
-    }
-
     /// Finds the velocities in the middle of the step, of nodes that keep its change, held by the obstacles of `time` [s]; and what particles keep
     /// with the FLIP share `share`.
     pub fn meet_midway(&mut self, scene: &Scene<T, D>, time: f64, share: Option<T>) {

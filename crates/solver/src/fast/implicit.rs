@@ -2,23 +2,20 @@
 
 use super::batch::Scratch;
 use super::contact::{is_near, surroundings};
-use super::grid::{BLOCK_NODES, Node, add_run, copy_run};
+use super::grid::{BLOCK_NODES, Node, add_run, copy_run, node_coordinates};
 use super::hessian::{Linearisation, tangent_fields};
-use super::particles::{Layout, Particles};
 use super::pool::Shared;
 use super::simd::{CHANNELS, CHUNK};
 use super::step::Fast;
 use crate::error::Rejection;
 use crate::geometry::Vector;
 use crate::implicit::{
-    Coefficients, FineNode, Held, LinearSystem, Point, Released, StepSystem, TwoLevel, held_nodes, release,
-    solve_step,
+    Coefficients, Held, LinearSystem, Released, StepSystem, held_nodes, release, solve_step,
 };
 use crate::ledger::StepLedger;
-use crate::material::ConstitutiveModel;
 use crate::mirror::{self, Fold};
 use crate::real::Real;
-use crate::scene::{LinearSolve, Preconditioner, Scene, Transfer};
+use crate::scene::{LinearSolve, Scene, Transfer};
 
 /// Blocks of nodes that a task takes at least when it does no more than add them up (chosen: a task of some microseconds).
 const LEAST_BLOCKS: usize = 64;
@@ -38,7 +35,6 @@ struct System<'a, T: Real, const D: usize> {
     pushed: Vec<Node<T>>,
     /// u beyond the mirrors too, where there are any.
     reflected: Vec<Node<T>>,
-    two_level: Option<TwoLevel<D>>,
     c: f64,
     time: f64,
     dt: f64,
@@ -106,12 +102,6 @@ impl<T: Real, const D: usize> LinearSystem for System<'_, T, D> {
     }
 
     fn precondition(&mut self, r: &Self::Vector, out: &mut Self::Vector) {
-        if let Some(mut two_level) = self.two_level.take() {
-            two_level.apply(r, out, |r| std::array::from_fn(|k| r[k]), |out, z| out[..D].copy_from_slice(&z));
-            self.two_level = Some(two_level);
-            self.project(out);
-            return;
-        }
         self.for_blocks(out, |first, part| {
             for (k, out) in part.iter_mut().enumerate() {
                 *out = r[first + k].map(|r| r * self.per_mass[first + k]);
@@ -238,7 +228,8 @@ impl<T: Real, const D: usize> StepSystem for System<'_, T, D> {
 impl<T: Real, const D: usize> System<'_, T, D> {
     /// Where a node is [m].
     fn place(&self, node: usize) -> Vector<T, D> {
-        let coordinates = self.fast.grid.coordinates(node);
+        let first = self.fast.grid.first_node(node / BLOCK_NODES);
+        let coordinates = node_coordinates(first, node % BLOCK_NODES);
         Vector::from_fn(|k, _| T::of_index(coordinates[k]) * self.scene.spacing)
     }
 }
@@ -272,8 +263,6 @@ impl<T: Real, const D: usize> Fast<T, D> {
             held(sums[D] > self.empty, &|k| (force[k] + gravity[k] * sums[D]) * dt_t)
         };
         let pushed = nodes().map(of_push).collect();
-        let two_level = (how.preconditioner == Preconditioner::TwoLevel)
-            .then(|| TwoLevel::new(scene.spacing.as_f64(), c, self.points(scene), self.filled_nodes(&mass)));
         let per_mass = |&m: &T| if m > T::zero() { T::one() / m } else { T::zero() };
         let per_mass = mass.iter().map(per_mass).collect();
         let mut system = System {
@@ -287,7 +276,6 @@ impl<T: Real, const D: usize> Fast<T, D> {
             start,
             pushed,
             reflected: Vec::new(),
-            two_level,
             c,
             time,
             dt,
@@ -304,31 +292,6 @@ impl<T: Real, const D: usize> Fast<T, D> {
         }
         mirror::fold(&self.mirrors, &mut self.grid, &scene.gravity, &mut self.folds);
         Ok(())
-    }
-
-    /// The particles as a coarse grid sees them.
-    fn points<'a>(&'a self, scene: &'a Scene<T, D>) -> impl Iterator<Item = Point<D>> + 'a {
-        let Particles { layout, fields, labels, .. } = &self.particles;
-        self.particles.places().map(move |(chunk, lane)| {
-            let field = |number: usize| fields[chunk * layout.fields() + number][lane];
-            let material = &scene.materials[labels[chunk][lane].material as usize];
-            let lame = ConstitutiveModel::<T, D>::lame(material);
-            let scale = field(Layout::<D>::VOLUME) * field(Layout::<D>::STIFFNESS);
-            Point {
-                place: std::array::from_fn(|k| (field(Layout::<D>::POSITION + k) / scene.spacing).as_f64()),
-                moduli: [lame.lambda, lame.mu].map(|modulus| (modulus * scale).as_f64()),
-            }
-        })
-    }
-
-    /// The nodes that `mass` [kg] does not leave empty.
-    fn filled_nodes<'a>(&'a self, mass: &'a [T]) -> impl Iterator<Item = FineNode<D>> + 'a {
-        let filled = (0..mass.len()).filter(|&index| mass[index] > T::zero());
-        filled.map(|index| FineNode {
-            index,
-            coordinates: self.grid.coordinates(index),
-            mass: mass[index].as_f64(),
-        })
     }
 
     /// The tangents of all particles, times V_p.

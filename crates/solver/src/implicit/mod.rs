@@ -18,16 +18,13 @@
 //! Nodes that an obstacle holds begin with its velocity along its normal (all of it where they stick), in place of v^n, and keep it during
 //! the solve. Where it would have to pull at one that may leave, the node is released and the system solved again.
 
-mod coarse;
 mod constraint;
 pub mod krylov;
 mod operator;
 mod plain;
-mod skyline;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use coarse::{FineNode, Point, TwoLevel};
 pub(crate) use constraint::{Held, Released, held_nodes, release};
 use krylov::Goal;
 pub use krylov::{LinearSystem, Method, Solution};

@@ -2,19 +2,17 @@
 
 use super::krylov::{LinearSystem, Solution};
 use super::operator::apply_hessian;
-use super::{
-    Coefficients, FineNode, Held, Point, Released, StepSystem, TwoLevel, held_nodes, release, solve_step,
-};
+use super::{Coefficients, Held, Released, StepSystem, held_nodes, release, solve_step};
 use crate::collision::MirrorPlane;
 use crate::error::Rejection;
 use crate::geometry::{Vector, is_zero};
 use crate::grid::{Grid, NodeSums};
 use crate::ledger::StepLedger;
-use crate::material::{ConstitutiveModel, Tangent};
+use crate::material::Tangent;
 use crate::mirror::{self, Fold};
 use crate::particles::{ParticleConstants, ParticleMotion};
 use crate::real::Real;
-use crate::scene::{LinearSolve, Preconditioner, Scene};
+use crate::scene::{LinearSolve, Scene};
 
 /// Scratch memory of the solve.
 #[derive(Clone, Debug, Default)]
@@ -60,7 +58,6 @@ struct System<'a, T: Real, const D: usize> {
     start: Vec<Vector<T, D>>,
     pushed: Vec<Vector<T, D>>,
     c: f64,
-    two_level: Option<TwoLevel<D>>,
     /// u beyond the mirrors too.
     reflected: &'a mut Vec<Vector<T, D>>,
 }
@@ -70,7 +67,6 @@ impl<'a, T: Real, const D: usize> System<'a, T, D> {
         step: PlainStep<'a, T, D>,
         tangents: &'a [Tangent<T, D>],
         c: f64,
-        preconditioner: Preconditioner,
         reflected: &'a mut Vec<Vector<T, D>>,
     ) -> Self {
         let PlainStep { scene, grid, empty, dt, .. } = step;
@@ -82,28 +78,8 @@ impl<'a, T: Real, const D: usize> System<'a, T, D> {
         };
         let start = holding(&|sums| sums.momentum / sums.mass);
         let pushed = holding(&|sums| (sums.force + scene.gravity * sums.mass) * dt);
-        let two_level = (preconditioner == Preconditioner::TwoLevel).then(|| two_level(&step, &mass, c));
-        System { step, tangents, held: Vec::new(), mass, start, pushed, c, two_level, reflected }
+        System { step, tangents, held: Vec::new(), mass, start, pushed, c, reflected }
     }
-}
-
-fn two_level<T: Real, const D: usize>(step: &PlainStep<'_, T, D>, mass: &[T], c: f64) -> TwoLevel<D> {
-    let PlainStep { scene, motion, constants, grid, .. } = *step;
-    let points = (0..motion.len()).map(|p| {
-        let lame = ConstitutiveModel::<T, D>::lame(&scene.materials[constants.material[p] as usize]);
-        let scale = constants.volume[p] * motion.stiffness[p];
-        Point {
-            place: std::array::from_fn(|k| (motion.position[p][k] / scene.spacing).as_f64()),
-            moduli: [lame.lambda, lame.mu].map(|modulus| (modulus * scale).as_f64()),
-        }
-    });
-    let filled = (0..mass.len()).filter(|&index| mass[index] > T::zero());
-    let nodes = filled.map(|index| FineNode {
-        index,
-        coordinates: grid.coordinates(index),
-        mass: mass[index].as_f64(),
-    });
-    TwoLevel::new(scene.spacing.as_f64(), c, points, nodes)
 }
 
 impl<T: Real, const D: usize> LinearSystem for System<'_, T, D> {
@@ -115,11 +91,6 @@ impl<T: Real, const D: usize> LinearSystem for System<'_, T, D> {
     }
 
     fn precondition(&mut self, r: &Self::Vector, out: &mut Self::Vector) {
-        if let Some(two_level) = &mut self.two_level {
-            two_level.apply(r, out, |r| (*r).into(), |out, z| *out = z.into());
-            self.project(out);
-            return;
-        }
         for ((out, r), &mass) in out.iter_mut().zip(r).zip(&self.mass) {
             *out = if mass > T::zero() { *r / mass } else { Vector::zeros() };
         }
@@ -234,7 +205,7 @@ impl<T: Real, const D: usize> Implicit<T, D> {
         self.linearise(&step, how);
         let Implicit { tangents, reflected } = self;
         let c = coefficients.of_change;
-        let mut system = System::new(step, tangents, c, how.preconditioner, reflected);
+        let mut system = System::new(step, tangents, c, reflected);
         let (mut forces, solution) = solve_step(&mut system, coefficients, how);
         let per_step = T::of(-1.0 / step.dt);
         forces.iter_mut().for_each(|force| *force *= per_step);

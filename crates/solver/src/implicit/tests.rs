@@ -273,8 +273,8 @@ fn velocities_solve_the_equation() {
             let (beta, dt) = (1.0, 2e-3);
             for (preconditioner, method) in [
                 (Preconditioner::Mass, Method::Minres),
-                (Preconditioner::TwoLevel, Method::Minres),
-                (Preconditioner::TwoLevel, Method::ConjugateResiduals),
+                (Preconditioner::Mass, Method::Minres),
+                (Preconditioner::Mass, Method::ConjugateResiduals),
             ] {
                 let solve = exact(preconditioner, method);
                 let scene =

@@ -98,7 +98,6 @@ fn solve(method: MethodName, preconditioner: PreconditionerName, rest: LinearSol
     };
     let preconditioner = match preconditioner {
         PreconditionerName::Mass => Preconditioner::Mass,
-        PreconditionerName::TwoLevel => Preconditioner::TwoLevel,
     };
     LinearSolve { method, preconditioner, ..rest }
 }

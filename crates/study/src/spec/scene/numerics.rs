@@ -131,7 +131,7 @@ names!(/** Transfers between particles and grid. */ TransferName { Flip, Apic, M
 names!(/** Engines. */ EngineName { Fast, Reference });
 names!(/** Velocities that can move particles. */ AdvectionName { Interpolated, Blended });
 names!(/** Krylov methods. */ MethodName { Minres, ConjugateResiduals });
-names!(/** Preconditioners. */ PreconditionerName { Mass, TwoLevel });
+names!(/** Preconditioners. */ PreconditionerName { Mass });
 names!(/** Rules for rest volumes. */ RestVolumeName { Uniform, Density });
 names!(/** Floating point types. */ PrecisionName { F64, F32 });
 
