@@ -4,7 +4,7 @@ use snowlab_solver::collision::Contact;
 use snowlab_solver::geometry::Vector;
 use snowlab_solver::timestep::step_length;
 use snowlab_solver::{
-    Engine, Integrator, LinearSolve, Material, Preconditioner, Real, Scene, Simulation, Snow, State, Transfer,
+    Engine, Integrator, LinearSolve, Material, Real, Scene, Simulation, Snow, State, Transfer,
 };
 
 use crate::support::{KERNELS, Random, fixed, flip, floor, lattice, scene, snow, state};
@@ -44,7 +44,7 @@ fn apart<const D: usize>(one: &[Vector<f64, D>], other: &[Vector<f64, D>]) -> f6
 /// Implicit steps, solved so closely that it does not show where a solve stops.
 fn implicit(is_double: bool) -> [Integrator; 3] {
     let solve = LinearSolve { tolerance: if is_double { 1e-12 } else { 1e-6 }, ..LinearSolve::default() };
-    let definite = LinearSolve { definite: true, preconditioner: Preconditioner::Mass, ..solve };
+    let definite = LinearSolve { definite: true, ..solve };
     [
         Integrator::SemiImplicit { beta: 0.5, solve },
         Integrator::SemiImplicit { beta: 1.0, solve: definite },

@@ -42,8 +42,7 @@ pub use kernel::KernelKind;
 pub use material::{Elastic, Lame, Material, Snow};
 pub use real::Real;
 pub use scene::{
-    Advection, Engine, FlipShare, Integrator, LinearSolve, Preconditioner, Scene, StepLength,
-    TimeStepControl, Transfer,
+    Advection, Engine, FlipShare, Integrator, LinearSolve, Scene, StepLength, TimeStepControl, Transfer,
 };
 pub use simulation::Simulation;
 pub use state::{InitialParticle, State};

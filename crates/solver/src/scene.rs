@@ -116,14 +116,13 @@ impl Integrator {
     }
 }
 
-/// How a step's linear system is solved.
+/// How a step's linear system is solved. Residuals are weighted by the nodes' masses (S13); what other preconditioners gave is told in
+/// docs/integrators.md.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearSolve {
     /// Krylov method.
     pub method: Method,
-    /// By what residuals are weighted.
-    pub preconditioner: Preconditioner,
-    /// For the residual over the right side, in the preconditioner's norm: the error of the velocities' change over the step, relative to
+    /// For the residual over the right side, each node's over the root of its mass: the error of the velocities' change over the step, relative to
     /// the change in an explicit one.
     pub tolerance: f64,
     /// Applications of the operator after which the step is refused.
@@ -132,25 +131,11 @@ pub struct LinearSolve {
     pub definite: bool,
 }
 
-/// The least costly stand-in for the system's matrix.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Preconditioner {
-    /// The nodes' masses (S13).
-    #[default]
-    Mass,
-}
-
 impl Default for LinearSolve {
     fn default() -> Self {
         // chosen: a hundredth of 0.1, which gives the same errors as 1e-4 in the scenes of docs/integrators.md, for others; those need up to 28
         // iterations at this tolerance and steps of 4 h / c, and up to 141 at 0.01 and the longest steps.
-        LinearSolve {
-            method: Method::default(),
-            preconditioner: Preconditioner::default(),
-            tolerance: 1e-3,
-            max_iterations: 200,
-            definite: false,
-        }
+        LinearSolve { method: Method::default(), tolerance: 1e-3, max_iterations: 200, definite: false }
     }
 }
 

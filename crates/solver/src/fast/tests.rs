@@ -9,8 +9,7 @@ use crate::geometry::{Shape, Vector, unit};
 use crate::material::{Elastic, Lame, Material, Snow};
 use crate::real::Real;
 use crate::scene::{
-    Advection, Engine, FlipShare, Integrator, LinearSolve, Preconditioner, Scene, StepLength,
-    TimeStepControl, Transfer,
+    Advection, Engine, FlipShare, Integrator, LinearSolve, Scene, StepLength, TimeStepControl, Transfer,
 };
 use crate::state::{InitialParticle, State};
 use crate::step::accept;
@@ -129,12 +128,7 @@ fn digest<T: Real, const D: usize>(state: &State<T, D>) -> u64 {
 /// As in use, and with every option the other way round.
 fn implicit() -> [Integrator; 2] {
     let solve = LinearSolve { tolerance: 1e-4, ..LinearSolve::default() };
-    let other = LinearSolve {
-        method: Method::ConjugateResiduals,
-        preconditioner: Preconditioner::Mass,
-        definite: true,
-        ..solve
-    };
+    let other = LinearSolve { method: Method::ConjugateResiduals, definite: true, ..solve };
     [Integrator::SemiImplicit { beta: 0.5, solve }, Integrator::Trapezoidal { solve: other }]
 }
 

@@ -1,14 +1,14 @@
 //! Numerics and materials.
 
 use snowlab_solver::{
-    Advection, Elastic, Engine, FlipShare, Integrator, KernelKind, Lame, LinearSolve, Material, Method,
-    Preconditioner, Real, Scene, Snow, StepLength, TimeStepControl, Transfer, Vector,
+    Advection, Elastic, Engine, FlipShare, Integrator, KernelKind, Lame, LinearSolve, Material, Method, Real,
+    Scene, Snow, StepLength, TimeStepControl, Transfer, Vector,
 };
 
 use crate::spec::SpecError;
 use crate::spec::scene::{
-    AdvectionName, EngineName, IntegratorSpec, KernelName, MaterialSpec, MethodName, NumericsSpec,
-    PreconditionerName, SceneSpec, SemiImplicitSpec, TransferName, TrapezoidalSpec,
+    AdvectionName, EngineName, IntegratorSpec, KernelName, MaterialSpec, MethodName, NumericsSpec, SceneSpec,
+    SemiImplicitSpec, TransferName, TrapezoidalSpec,
 };
 
 use super::obstacle::collider;
@@ -69,37 +69,24 @@ pub fn transfer(n: &NumericsSpec) -> Transfer {
 fn integrator(spec: &IntegratorSpec) -> Integrator {
     match spec {
         IntegratorSpec::SemiImplicit(spec) => {
-            let SemiImplicitSpec { beta, method, preconditioner, tolerance, max_iterations, definite } =
-                *spec;
-            let solve = solve(
-                method,
-                preconditioner,
-                LinearSolve { tolerance, max_iterations, definite, ..LinearSolve::default() },
-            );
+            let SemiImplicitSpec { beta, method, tolerance, max_iterations, definite } = *spec;
+            let method = krylov_method(method);
+            let solve = LinearSolve { method, tolerance, max_iterations, definite };
             Integrator::SemiImplicit { beta, solve }
         }
         IntegratorSpec::Trapezoidal(spec) => {
-            let TrapezoidalSpec { method, preconditioner, tolerance, max_iterations, definite } = *spec;
-            let solve = solve(
-                method,
-                preconditioner,
-                LinearSolve { tolerance, max_iterations, definite, ..LinearSolve::default() },
-            );
-            Integrator::Trapezoidal { solve }
+            let TrapezoidalSpec { method, tolerance, max_iterations, definite } = *spec;
+            let method = krylov_method(method);
+            Integrator::Trapezoidal { solve: LinearSolve { method, tolerance, max_iterations, definite } }
         }
     }
 }
 
-/// `rest` with the method and the preconditioner of these names.
-fn solve(method: MethodName, preconditioner: PreconditionerName, rest: LinearSolve) -> LinearSolve {
-    let method = match method {
+fn krylov_method(name: MethodName) -> Method {
+    match name {
         MethodName::Minres => Method::Minres,
         MethodName::ConjugateResiduals => Method::ConjugateResiduals,
-    };
-    let preconditioner = match preconditioner {
-        PreconditionerName::Mass => Preconditioner::Mass,
-    };
-    LinearSolve { method, preconditioner, ..rest }
+    }
 }
 
 pub(super) fn time_step(n: &NumericsSpec) -> TimeStepControl {

@@ -34,7 +34,6 @@ const FLIP: Transfer = Transfer::Flip(FlipShare::PerStep(1.0));
 /// Solved to round-off, so that the solver does not show.
 const SOLVE: LinearSolve = LinearSolve {
     method: snowlab_solver::Method::Minres,
-    preconditioner: snowlab_solver::Preconditioner::Mass,
     tolerance: 1e-11,
     max_iterations: 5000,
     definite: false,

@@ -14,7 +14,7 @@ pub use collider::{ColliderSpec, ContactName, SolidSpec};
 pub use material::MaterialSpec;
 pub use numerics::{
     AdvectionName, EngineName, IntegratorSpec, KernelName, MethodName, NumericsSpec, PrecisionName,
-    PreconditionerName, RestVolumeName, SemiImplicitSpec, TransferName, TrapezoidalSpec,
+    RestVolumeName, SemiImplicitSpec, TransferName, TrapezoidalSpec,
 };
 pub use output::{EndFrom, OutputSpec, TimeUnit};
 pub use placement::{CountOf, CountSpec, LatticeSpec, PlacementSpec};

@@ -81,9 +81,6 @@ pub struct SemiImplicitSpec {
     /// Krylov method.
     #[serde(default)]
     pub method: MethodName,
-    /// Preconditioner.
-    #[serde(default)]
-    pub preconditioner: PreconditionerName,
     /// For the residual over the right side.
     #[serde(default = "defaults::tolerance")]
     pub tolerance: f64,
@@ -102,9 +99,6 @@ pub struct TrapezoidalSpec {
     /// Krylov method.
     #[serde(default)]
     pub method: MethodName,
-    /// Preconditioner.
-    #[serde(default)]
-    pub preconditioner: PreconditionerName,
     /// For the residual over the right side.
     #[serde(default = "defaults::tolerance")]
     pub tolerance: f64,
@@ -131,7 +125,6 @@ names!(/** Transfers between particles and grid. */ TransferName { Flip, Apic, M
 names!(/** Engines. */ EngineName { Fast, Reference });
 names!(/** Velocities that can move particles. */ AdvectionName { Interpolated, Blended });
 names!(/** Krylov methods. */ MethodName { Minres, ConjugateResiduals });
-names!(/** Preconditioners. */ PreconditionerName { Mass });
 names!(/** Rules for rest volumes. */ RestVolumeName { Uniform, Density });
 names!(/** Floating point types. */ PrecisionName { F64, F32 });
 
