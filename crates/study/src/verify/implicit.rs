@@ -23,8 +23,8 @@ const LENGTH: f64 = 1.0;
 const CELLS: usize = 64;
 /// Largest velocity at the start [m/s]: strains of 1e-5, so that the elastic law is linear.
 const VELOCITY: f64 = 1e-4;
-/// Steps of the lattice's largest stable length over which its energy must stay bounded (chosen: between what the stability experiment gives bodies in its short form and a lone particle).
-const STEPS: usize = 1000;
+/// Steps over which the energy of a block must stay bounded (chosen: 1.5 % above its limit at beta = 0.4 it grows by 1e9 in 1000).
+const STEPS: usize = 4000;
 /// Over the explicit limit: a step that must be stable where no limit was derived (chosen: beyond any that advection allows).
 const FAR: f64 = 100.0;
 
@@ -163,7 +163,10 @@ fn is_bounded(integrator: Integrator, dt: f64, steps: usize) -> anyhow::Result<b
 }
 
 fn largest_stable(integrator: Integrator, unit: f64, steps: usize) -> anyhow::Result<f64> {
-    let (mut stable, mut unstable) = (0.5, 8.0);
+    let (mut stable, mut unstable) = (0.5, 1.0);
+    while is_bounded(integrator, unstable * unit, steps)? {
+        (stable, unstable) = (unstable, 2.0 * unstable);
+    }
     while unstable / stable > 1.002 {
         let middle = f64::sqrt(stable * unstable);
         if is_bounded(integrator, middle * unit, steps)? { stable = middle } else { unstable = middle }
@@ -242,9 +245,7 @@ fn checks(damping: &[Damping], series: &[Series], limits: &[Limit]) -> Vec<Check
             source: "chosen: from steps that are not yet short",
         }
     });
-    // Near 1/2 the derivation, one vibration at a time, does not hold: the table shows by how much.
-    let is_held = |limit: &&Limit| limit.derived.is_none_or(|derived| derived < 2.0);
-    let limited = limits.iter().filter(is_held).map(|limit| Check {
+    let limited = limits.iter().map(|limit| Check {
         quantity: format!("largest stable step over the explicit one, {}", name(&limit.integrator)),
         measured: limit.over_explicit,
         theory: limit.derived.map_or("no limit".into(), |_| "1 / sqrt(1 - 2 beta)".into()),
