@@ -199,6 +199,23 @@ mod tests {
         assert!((definite.differential(&stretch) - exact).norm() < 1e-9 * exact.norm());
     }
 
+    /// Stretched s times, a square gives 2 mu + lambda (1 - s^2) to a stretch along one axis that is taken back along the other.
+    #[test]
+    fn a_square_that_is_stretched_far_keeps_what_resists_and_loses_what_gives() {
+        let Lame { mu, lambda } = Lame::<f64>::from_young(1.4e5, 0.2);
+        let s = 3.0;
+        let f = Matrix::<f64, 2>::identity() * s;
+        let across = Matrix::<f64, 2>::new(1.0, 0.0, 0.0, -1.0);
+        let eigenvalue = 2.0 * mu + lambda * (1.0 - s * s);
+        let exact = Tangent::new(&material(), &f, 1.0, false).differential(&across);
+        assert!(eigenvalue < 0.0 && (exact - across * eigenvalue).norm() < 1e-9 * mu, "{exact}");
+        let definite = Tangent::new(&material(), &f, 1.0, true);
+        assert!(definite.differential(&across).norm() < 1e-9 * mu);
+        let whole = Matrix::<f64, 2>::identity();
+        let kept = whole * (2.0 * mu + lambda * (3.0 * s * s - 1.0));
+        assert!((definite.differential(&whole) - kept).norm() < 1e-9 * kept.norm());
+    }
+
     #[test]
     fn the_projected_tangent_never_gives_energy() {
         fn check<const D: usize>() {
