@@ -4,7 +4,10 @@ use snowlab_solver::collision::Contact;
 use snowlab_solver::error::{Rejection, RejectionReason};
 use snowlab_solver::geometry::Vector;
 use snowlab_solver::step::{Workspace, step};
-use snowlab_solver::{KernelKind, Scene, Simulation, SimulationError, State, StepLength, Transfer};
+use snowlab_solver::{
+    Checkpoint, Integrator, KernelKind, LinearSolve, Scene, SceneError, Simulation, SimulationError, State,
+    StepLength, Transfer,
+};
 
 use crate::support::{elastic_scene, fixed, flip, floor, lattice, particle, scene, state};
 
@@ -137,6 +140,91 @@ fn a_resumed_run_has_the_bits_of_an_uninterrupted_one() {
         check_resume::<f32>(Transfer::Apic, kernel);
         check_resume::<f64>(Transfer::Mls, kernel);
     }
+}
+
+/// Steps on to `end` as a driver does that never stops on the way.
+fn drive<T: snowlab_solver::Real>(
+    simulation: &mut Simulation<T, 2>,
+    end: f64,
+    mut after_step: impl FnMut(&Simulation<T, 2>),
+) {
+    while simulation.time() < end || !simulation.confirm().expect("a stable run") {
+        simulation.advance_one(end).expect("a stable run");
+        after_step(simulation);
+    }
+}
+
+/// A run that is put away at several moments, as bytes, and taken up again from each.
+fn check_checkpoints<T: snowlab_solver::Real>(
+    scene: Scene<T, 2>,
+    start: State<T, 2>,
+    end: f64,
+) -> State<T, 2> {
+    let mut whole = Simulation::new(scene.clone(), start).expect("a valid scene");
+    let mut kept: Vec<(u64, Vec<u8>)> = Vec::new();
+    drive(&mut whole, end, |simulation| {
+        let due = simulation.steps() >= 15 + kept.last().map_or(0, |(steps, _)| *steps);
+        if due && let Some(checkpoint) = simulation.checkpoint() {
+            kept.push((simulation.steps(), postcard::to_stdvec(&checkpoint).expect("plain data")));
+        }
+    });
+    assert!(kept.len() >= 2, "{} checkpoints in {} steps", kept.len(), whole.steps());
+    for (steps, bytes) in kept {
+        let checkpoint: Checkpoint<T, 2> = postcard::from_bytes(&bytes).expect("what was written");
+        assert_eq!(checkpoint.particles(), whole.state().len());
+        let mut second = Simulation::resume(scene.clone(), checkpoint, 2).expect("it fits");
+        assert_eq!(second.steps(), steps);
+        drive(&mut second, end, |_| {});
+        assert!(whole.state() == second.state(), "put away at step {steps}");
+    }
+    whole.state().clone()
+}
+
+#[test]
+fn a_run_put_away_at_any_moment_goes_on_to_the_same_bits() {
+    for transfer in [flip(0.95), Transfer::Apic, Transfer::Mls] {
+        let (scene, start) = fall::<f32>(transfer);
+        check_checkpoints(scene, start, 0.03);
+        let (scene, start) = fall::<f64>(transfer);
+        check_checkpoints(scene, start, 0.03);
+    }
+    let (mut implicit, start) = fall::<f64>(Transfer::Mls);
+    implicit.integrator = Integrator::SemiImplicit { beta: 1.0, solve: LinearSolve::default() };
+    implicit.time_step.length = StepLength::Fixed(1e-4);
+    check_checkpoints(implicit, start, 0.03);
+    // A step too long, at which the watchdog goes back.
+    let (mut watched, start) = crate::watchdog::disc();
+    watched.time_step.length = StepLength::Adaptive { wave: Some(1.35), advection: 0.25, greatest: 1.0 };
+    assert!(check_checkpoints(watched, start, 0.1).ledger.watchdog_restores > 0);
+}
+
+#[test]
+fn a_checkpoint_of_another_scene_is_refused() {
+    let (scene, start) = fall::<f64>(Transfer::Mls);
+    let mut run = Simulation::new(scene.clone(), start).expect("a valid scene");
+    let mut kept = None;
+    drive(&mut run, 0.0121, |simulation| {
+        if let Some(checkpoint) = simulation.checkpoint() {
+            let bytes = postcard::to_stdvec(&checkpoint).expect("plain data");
+            kept = Some((bytes, simulation.state().motion.velocity[0].y));
+        }
+    });
+    let (bytes, velocity) = kept.expect("a checkpoint on the way");
+    let read = || postcard::from_bytes::<Checkpoint<f64, 2>>(&bytes).expect("what was written");
+    let mut others = vec![scene.clone(); 3];
+    others[0].transfer = flip(0.95);
+    others[1].colliders.clear();
+    others[2].materials.clear();
+    for other in others {
+        let refused = Simulation::resume(other, read(), 1).map(|_| ()).expect_err("another scene");
+        assert!(matches!(refused, SceneError::Checkpoint { .. } | SceneError::Length { .. }), "{refused}");
+    }
+    // The same bytes with one number that is none.
+    let place = bytes.windows(8).position(|window| window == velocity.to_le_bytes()).expect("the velocity");
+    let mut broken = bytes.clone();
+    broken[place..place + 8].copy_from_slice(&f64::NAN.to_le_bytes());
+    let broken = postcard::from_bytes::<Checkpoint<f64, 2>>(&broken).expect("a checkpoint as to its form");
+    assert!(Simulation::resume(scene, broken, 1).is_err());
 }
 
 #[test]

@@ -14,7 +14,7 @@ fn total(scene: &Scene<f64, 2>, state: &State<f64, 2>) -> f64 {
 }
 
 /// A frozen (elastic) disc of 1264 particles that touches down at 3 cm/s.
-fn disc() -> (Scene<f64, 2>, State<f64, 2>) {
+pub fn disc() -> (Scene<f64, 2>, State<f64, 2>) {
     let mut scene = elastic_scene::<f64, 2>(H);
     scene.colliders = vec![floor(0.0, Contact::Separate, 0.3)];
     let mut body = lattice(H, [-10, 0], [20, 20], 2, [0.0, -0.03]);

@@ -37,6 +37,12 @@ pub enum SceneError {
         /// The length it should have.
         expected: usize,
     },
+    /// A checkpoint that is none of this scene.
+    #[error("the checkpoint does not fit the scene: {reason}")]
+    Checkpoint {
+        /// What is wrong with it.
+        reason: &'static str,
+    },
     /// A mirror that is not a plane of nodes.
     #[error("a mirror must be a static half-space whose plane is a row of nodes: {reason}")]
     Mirror {

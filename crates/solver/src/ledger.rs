@@ -1,11 +1,13 @@
 //! Where momentum and energy went: by step, and over a run. All in f64, whatever the run's precision.
 
+use serde::{Deserialize, Serialize};
+
 use crate::geometry::Vector;
 use crate::implicit::Solution;
 use crate::real::Real;
 
 /// What an obstacle received and did.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ColliderLedger<const D: usize> {
     /// Impulse of the material on the obstacle [kg m/s].
     pub impulse: Vector<f64, D>,
@@ -53,7 +55,7 @@ pub(crate) fn impulse_energy<T: Real, const D: usize>(
 }
 
 /// Sums over a run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ledger<const D: usize> {
     /// One for each obstacle.
     pub colliders: Vec<ColliderLedger<D>>,

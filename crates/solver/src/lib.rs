@@ -1,9 +1,10 @@
 //! Snow by the material point method (Stomakhin et al. 2013, "S13"; Park & Shen 2017, "PS17").
 //!
-//! The crate knows no file format, no clock, no random number and no study: it takes a [`Scene`] (what does not
+//! The crate knows no file format (a run can be serialised: [`Checkpoint`]), no clock, no random number and no study: it takes a [`Scene`] (what does not
 //! change in a run) and a [`State`] (what does), and advances the state. One source serves 2D and 3D (`D`), `f32` and `f64`
 //! (`T`). Read [`step::step`] first.
 
+pub mod checkpoint;
 pub mod collision;
 mod deformation;
 pub mod diagnostics;
@@ -34,6 +35,7 @@ pub mod timestep;
 mod transfer;
 mod watchdog;
 
+pub use checkpoint::Checkpoint;
 pub use collision::{Collider, Contact};
 pub use error::{SceneError, SimulationError};
 pub use geometry::{Matrix, Shape, Vector};

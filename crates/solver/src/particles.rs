@@ -1,10 +1,13 @@
 //! Material points, one array per field.
 
+use serde::{Deserialize, Serialize};
+
 use crate::geometry::{Matrix, Vector};
 use crate::real::Real;
 
 /// What a step changes. All arrays have the same length; index p is the same particle in each.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "")]
 pub struct ParticleMotion<T: Real, const D: usize> {
     /// Position relative to the state's origin [m].
     pub position: Vec<Vector<T, D>>,
@@ -24,7 +27,8 @@ pub struct ParticleMotion<T: Real, const D: usize> {
 }
 
 /// What a step leaves alone.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "")]
 pub struct ParticleConstants<T: Real> {
     /// Mass [kg] (kg per metre of depth in 2D).
     pub mass: Vec<T>,

@@ -1,6 +1,8 @@
 //! The scalar type of a run: `f32` or `f64`.
 
 use nalgebra::RealField;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use crate::fast::HasRegisters;
 
@@ -8,7 +10,7 @@ use crate::fast::HasRegisters;
 ///
 /// The transcendental functions come from `libm`, never from the system's library, so that a run has the same bits
 /// on every machine; `sqrt` and the four operations are exact by IEEE 754.
-pub trait Real: RealField + Copy + Default + HasRegisters {
+pub trait Real: RealField + Copy + Default + HasRegisters + Serialize + DeserializeOwned {
     /// A node whose mass is below this share of the lightest particle's mass counts as empty (chosen: far above the
     /// denormal numbers, so that momentum / mass keeps its relative precision, far below what a result can show).
     const EMPTY_NODE_SHARE: f64;

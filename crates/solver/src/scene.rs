@@ -74,6 +74,11 @@ impl Engine {
     pub fn is_available(self) -> bool {
         self == Engine::Reference || crate::fast::is_available()
     }
+
+    /// The vectors that the fast engine takes on this CPU: `avx512`, `avx2` or `none`.
+    pub fn vectors() -> &'static str {
+        crate::fast::vectors()
+    }
 }
 
 /// Which velocity moves a particle.

@@ -2,9 +2,9 @@
 
 use std::sync::OnceLock;
 
+use crate::checkpoint::Saved;
 use crate::diagnostics::{elastic_energy, potential_energy};
 use crate::error::{Rejection, SceneError, SimulationError};
-use crate::fast;
 use crate::geometry::Vector;
 use crate::ledger::StepLedger;
 use crate::real::Real;
@@ -19,24 +19,16 @@ use crate::watchdog::{Candidate, Check, StoredEnergy, Verdict, Watchdog};
 /// particles leave their block).
 const SORT_INTERVAL: u64 = 16;
 
-/// A state to go back to.
-#[derive(Clone, Debug)]
-struct Saved<T: Real, const D: usize> {
-    /// Without particles where the fast engine holds them.
-    state: State<T, D>,
-    particles: Option<fast::Saved<T, D>>,
-}
-
 /// A scene with its state and scratch memory.
 #[derive(Clone, Debug)]
 pub struct Simulation<T: Real, const D: usize> {
     scene: Scene<T, D>,
     /// Without particles while the fast engine holds them.
-    state: State<T, D>,
+    pub(crate) state: State<T, D>,
     /// The whole state, made when somebody asks for it while the fast engine holds the particles.
     seen: OnceLock<State<T, D>>,
-    workspace: Workspace<T, D>,
-    watchdog: Watchdog<Saved<T, D>>,
+    pub(crate) workspace: Workspace<T, D>,
+    pub(crate) watchdog: Watchdog<Saved<T, D>>,
 }
 
 impl<T: Real, const D: usize> Simulation<T, D> {
@@ -55,7 +47,16 @@ impl<T: Real, const D: usize> Simulation<T, D> {
     pub fn with_threads(scene: Scene<T, D>, state: State<T, D>, threads: usize) -> Result<Self, SceneError> {
         let workspace = Workspace::with_threads(&scene, &state, threads)?;
         let watchdog = Watchdog::new(&scene, &state);
-        Ok(Simulation { scene, state, seen: OnceLock::new(), workspace, watchdog })
+        Ok(Self::of_parts(scene, state, workspace, watchdog))
+    }
+
+    pub(crate) fn of_parts(
+        scene: Scene<T, D>,
+        state: State<T, D>,
+        workspace: Workspace<T, D>,
+        watchdog: Watchdog<Saved<T, D>>,
+    ) -> Self {
+        Simulation { scene, state, seen: OnceLock::new(), workspace, watchdog }
     }
 
     /// The scene.

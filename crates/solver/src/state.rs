@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::SceneError;
 use crate::geometry::{Matrix, Vector};
 use crate::kernel::{Cubic, Kernel, KernelKind, Quadratic};
@@ -14,7 +16,8 @@ use crate::scene::Scene;
 use crate::stencil::Stencil;
 
 /// Everything that a step reads and changes: saved and restored, a run goes on as if nothing had happened.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "")]
 pub struct State<T: Real, const D: usize> {
     /// World position of the local origin [m]; a node of the grid lies there.
     pub origin: Vector<f64, D>,
@@ -146,6 +149,27 @@ impl<T: Real, const D: usize> State<T, D> {
             }
         }
         Ok(())
+    }
+
+    /// Whether all numbers are such as a run of `scene` can come to.
+    pub(crate) fn is_possible(&self, scene: &Scene<T, D>) -> bool {
+        let ParticleMotion { position, velocity, affine, deformation, plastic_ratio, stiffness, .. } =
+            &self.motion;
+        let constants = &self.constants;
+        let finite = |values: &[T]| values.iter().all(|value| value.is_finite());
+        let positive = |values: &Vec<T>| values.iter().all(|value| *value > T::zero() && value.is_finite());
+        let vectors = [position, velocity, &self.body_acceleration];
+        let known = |material: &u16| usize::from(*material) < scene.materials.len();
+        let mut ids = constants.id.clone();
+        ids.sort_unstable();
+        vectors.iter().all(|vectors| vectors.iter().all(|v| finite(v.as_slice())))
+            && affine.iter().chain(deformation).all(|matrix| finite(matrix.as_slice()))
+            && [plastic_ratio, stiffness, &constants.mass, &constants.volume, &constants.stiffness_scale]
+                .into_iter()
+                .all(positive)
+            && constants.material.iter().all(known)
+            && ids.into_iter().eq(0..self.len() as u32)
+            && [self.time, self.step_factor, self.step_reach].iter().all(|number| number.is_finite())
     }
 
     /// Puts the particles into the order of `ids`.

@@ -1,5 +1,7 @@
 //! The watchdog: energy cannot come from nowhere. It keeps the latest state it has accepted, to go back to.
 
+use serde::{Deserialize, Serialize};
+
 use crate::diagnostics::total_mass;
 use crate::error::SimulationError;
 use crate::real::Real;
@@ -7,7 +9,7 @@ use crate::scene::Scene;
 use crate::state::State;
 
 /// What a run is watched by; `S` is what it goes back to.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Watchdog<S> {
     accepted: Option<Snapshot<S>>,
     /// What a rise is measured by [J].
@@ -15,7 +17,7 @@ pub(crate) struct Watchdog<S> {
 }
 
 /// The latest state that passed.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Snapshot<S> {
     saved: S,
     /// Its energy [J].
@@ -105,6 +107,11 @@ impl<S: Clone> Watchdog<S> {
         }
         self.accepted = Some(Snapshot { saved, energy, reference });
         Verdict::Accepted
+    }
+
+    /// What it would go back to; `None` before the first check.
+    pub(crate) fn accepted(&self) -> Option<&S> {
+        self.accepted.as_ref().map(|snapshot| &snapshot.saved)
     }
 
     /// The snapshot, from which a rise counts anew; `None` before the first check.

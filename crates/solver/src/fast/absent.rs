@@ -1,5 +1,7 @@
 //! CPUs for which the fast engine has no kernels: they run the reference engine.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Rejection, SceneError};
 use crate::geometry::Vector;
 use crate::ledger::StepLedger;
@@ -13,13 +15,28 @@ pub(crate) fn is_available() -> bool {
     false
 }
 
+/// It has none.
+pub(crate) fn vectors() -> &'static str {
+    "none"
+}
+
 /// Numbers of any kind.
 pub trait HasRegisters {}
 impl<T> HasRegisters for T {}
 
 /// Nothing to save.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Saved<T, const D: usize>(std::marker::PhantomData<T>);
+
+impl<T: Real, const D: usize> Saved<T, D> {
+    pub fn len(&self) -> usize {
+        0
+    }
+    pub fn is_consistent(&self, _scene: &Scene<T, D>) -> bool {
+        false
+    }
+    pub fn write(&self, _scene: &Scene<T, D>, _state: &mut State<T, D>) {}
+}
 
 /// Not to be had.
 #[derive(Clone, Debug)]
@@ -47,6 +64,10 @@ impl<T: Real, const D: usize> Fast<T, D> {
     pub fn save(&self) -> Saved<T, D> {
         Saved(std::marker::PhantomData)
     }
+    pub fn is_about_to_sort(&self) -> bool {
+        false
+    }
+    pub fn take_up(&mut self, _saved: Saved<T, D>) {}
     pub fn restore(&mut self, _scene: &Scene<T, D>, _saved: Saved<T, D>) {}
     pub fn stored_energy(&self, _scene: &Scene<T, D>, _origin: &Vector<f64, D>) -> StoredEnergy {
         StoredEnergy::default()

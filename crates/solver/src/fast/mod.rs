@@ -39,3 +39,12 @@ pub(crate) use step::{Fast, Saved};
 pub(crate) fn is_available() -> bool {
     dispatch::Set::widest().is_some()
 }
+
+/// The name of the widest vectors that the CPU has.
+pub(crate) fn vectors() -> &'static str {
+    match dispatch::Set::widest() {
+        Some(dispatch::Set::Avx512) => "avx512",
+        Some(dispatch::Set::Avx2) => "avx2",
+        None => "none",
+    }
+}

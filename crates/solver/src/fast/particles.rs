@@ -1,6 +1,8 @@
 //! The particles as the fast engine keeps them: by blocks of the grid, each block in chunks of 16, each chunk field by field. What fills
 //! up the last chunk of a block has neither mass nor volume.
 
+use serde::{Deserialize, Serialize};
+
 use super::simd::{CHUNK, Lanes};
 use super::strain::Matrix as LaneMatrix;
 use crate::geometry::{Matrix, Vector};
@@ -10,7 +12,7 @@ use crate::scene::Scene;
 use crate::state::State;
 
 /// Where the fields of a chunk begin, in units of [`CHUNK`] numbers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Layout<const D: usize> {
     affine: bool,
     forced: bool,
@@ -50,10 +52,27 @@ impl<const D: usize> Layout<D> {
     }
 }
 
+/// Coordinates as a list: arrays of any length are not known to serde.
+mod integers {
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer, const D: usize>(values: &[i32; D], to: S) -> Result<S::Ok, S::Error> {
+        to.collect_seq(values)
+    }
+
+    pub fn deserialize<'de, F: Deserializer<'de>, const D: usize>(from: F) -> Result<[i32; D], F::Error> {
+        let values = Vec::<i32>::deserialize(from)?;
+        let wrong = |values: Vec<i32>| F::Error::custom(format!("{} coordinates, not {D}", values.len()));
+        values.try_into().map_err(wrong)
+    }
+}
+
 /// The particles whose stencils began in one block of nodes when they were last sorted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Block<const D: usize> {
     /// The block's coordinates: those of its least node over its edge.
+    #[serde(with = "integers")]
     pub corner: [i32; D],
     pub first_chunk: usize,
     pub particles: usize,
@@ -71,7 +90,7 @@ impl<const D: usize> Block<D> {
 }
 
 /// Numbers of a particle that no arithmetic is done with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Label {
     pub id: u32,
     pub material: u16,
@@ -80,7 +99,8 @@ pub(crate) struct Label {
 }
 
 /// All particles.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(bound = "")]
 pub(crate) struct Particles<T: Real, const D: usize> {
     pub layout: Layout<D>,
     /// `layout.fields()` entries a chunk.
@@ -211,6 +231,20 @@ impl<T: Real, const D: usize> Particles<T, D> {
             }
         }
         (state.motion, state.constants, state.body_acceleration) = (motion, constants, forces);
+    }
+
+    /// Whether the arrays fit one another and `scene`.
+    pub fn is_consistent(&self, scene: &Scene<T, D>) -> bool {
+        let chunks = self.labels.len();
+        let mut next = 0;
+        let follows_on = |block: &Block<D>| {
+            let begins = block.first_chunk == next && (1..=chunks * CHUNK).contains(&block.particles);
+            next += block.particles.min(chunks * CHUNK).div_ceil(CHUNK);
+            begins && next <= chunks
+        };
+        self.layout.affine == scene.transfer.keeps_affine()
+            && self.fields.len() == chunks * self.layout.fields()
+            && self.blocks.iter().all(follows_on)
     }
 
     /// Sets the accelerations of all lanes by `of` their ids; `false` where there is no room for any.

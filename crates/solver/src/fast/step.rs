@@ -1,11 +1,13 @@
 //! The fast engine's step: the stages of `../step.rs` in their order, sorting, and going back. The stages themselves are in `stages.rs`.
 
+use serde::{Deserialize, Serialize};
+
 use super::dispatch::{Kernels, Set};
 use super::grid::BlockGrid;
 #[cfg(test)]
 use super::grid::Node;
 use super::material::MaterialNumbers;
-use super::particles::Particles;
+use super::particles::{Layout, Particles};
 use super::pool::Pool;
 use super::simd::CHUNK;
 use crate::collision::{Interval, MirrorPlane};
@@ -25,11 +27,29 @@ use crate::timestep::{fastest_particle_squared, fastest_wave_squared};
 const SORT_INTERVAL: usize = 16;
 
 /// All that there is to the particles between two steps.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(bound = "")]
 pub(crate) struct Saved<T: Real, const D: usize> {
     particles: Particles<T, D>,
     kinetic: f64,
     fastest: [T; 2],
+}
+
+impl<T: Real, const D: usize> Saved<T, D> {
+    /// The number of particles.
+    pub fn len(&self) -> usize {
+        self.particles.len()
+    }
+
+    /// Whether the particles lie as the engine keeps those of `scene`.
+    pub fn is_consistent(&self, scene: &Scene<T, D>) -> bool {
+        self.particles.is_consistent(scene)
+    }
+
+    /// Writes the particles to `state`.
+    pub fn write(&self, scene: &Scene<T, D>, state: &mut State<T, D>) {
+        self.particles.write(scene, state);
+    }
 }
 
 /// A step since the last sort, to be taken again.
@@ -108,7 +128,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
     /// Takes over the particles of `state`.
     pub fn load(&mut self, scene: &Scene<T, D>, state: &State<T, D>) {
         let lightest = state.constants.mass.iter().fold(f64::INFINITY, |m, mass| m.min(mass.as_f64()));
-        self.empty = T::of(if state.is_empty() { 0.0 } else { lightest * T::EMPTY_NODE_SHARE });
+        self.set_empty(if state.is_empty() { 0.0 } else { lightest });
         self.before = Particles::of(scene, state);
         self.kinetic = diagnostics::kinetic_energy(scene, &state.motion, &state.constants);
         self.fastest_wave_squared = fastest_wave_squared(scene, state);
@@ -154,6 +174,31 @@ impl<T: Real, const D: usize> Fast<T, D> {
         Saved { particles: self.particles.clone(), kinetic: self.kinetic, fastest: self.fastest() }
     }
 
+    /// Whether the next step begins by sorting, and with that forgets all but the particles.
+    pub fn is_about_to_sort(&self) -> bool {
+        self.loaded && (self.strayed || self.since_sort + self.taken.len() >= SORT_INTERVAL)
+    }
+
+    /// Takes up a run that was put away when it was about to sort.
+    pub fn take_up(&mut self, saved: Saved<T, D>) {
+        let masses = saved.particles.places().map(|(chunk, lane)| {
+            saved.particles.fields[chunk * saved.particles.layout.fields() + Layout::<D>::MASS][lane].as_f64()
+        });
+        let lightest = masses.fold(f64::INFINITY, f64::min);
+        self.set_empty(if saved.particles.len() == 0 { 0.0 } else { lightest });
+        self.particles = saved.particles;
+        // From wherever they are: the blocks of a file are not relied upon. The order is the same.
+        self.particles.placed = false;
+        self.kinetic = saved.kinetic;
+        [self.fastest_wave_squared, self.fastest_squared] = saved.fastest;
+        self.strayed = true;
+        self.loaded = true;
+    }
+
+    fn set_empty(&mut self, lightest: f64) {
+        self.empty = T::of(lightest * T::EMPTY_NODE_SHARE);
+    }
+
     /// Goes back to a copy.
     pub fn restore(&mut self, scene: &Scene<T, D>, saved: Saved<T, D>) {
         self.before = saved.particles;
@@ -181,7 +226,7 @@ impl<T: Real, const D: usize> Fast<T, D> {
     }
 
     fn sort_if_due(&mut self, scene: &Scene<T, D>) {
-        if self.strayed || self.since_sort + self.taken.len() >= SORT_INTERVAL {
+        if self.is_about_to_sort() {
             std::mem::swap(&mut self.before, &mut self.particles);
             self.settle(scene);
         }
