@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use snowlab_solver::{Real, Simulation};
+use snowlab_study::keeper::Limits;
+use snowlab_study::manifest::Program;
 use snowlab_study::record::Outcome;
-use snowlab_study::results::Archive;
+use snowlab_study::results::{Archive, CaseEnd, Job};
 use snowlab_study::run::{Observer, Unobserved};
 use snowlab_study::spec;
 use snowlab_study::sweep::Study;
@@ -41,8 +43,10 @@ fn a_case_that_panics_is_a_record_and_is_run_again() {
     let study = Study::expand(spec::parse(STUDY).unwrap(), None).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let archive = Archive::open(&study, folder.path(), Path::new(".")).unwrap();
-    archive.run(0, 1, &mut Clumsy).unwrap();
-    archive.run(1, 1, &mut Unobserved).unwrap();
+    let (limits, program) = (Limits::default(), Program::this(Path::new(".")));
+    let job = Job::alone(&limits, &program);
+    assert!(matches!(archive.run(0, &job, &mut Clumsy).unwrap(), CaseEnd::Failed(_)));
+    assert_eq!(archive.run(1, &job, &mut Unobserved).unwrap(), CaseEnd::Finished);
 
     let results = archive.results().unwrap();
     let outcomes: Vec<String> = results.iter().map(|result| result.record.outcome.in_words()).collect();
@@ -50,9 +54,9 @@ fn a_case_that_panics_is_a_record_and_is_run_again() {
     assert!(results[0].failure().unwrap().contains("dropped the snowball"));
     assert_eq!(archive.missing(), [0], "it still counts as not run");
 
-    archive.run(0, 1, &mut Unobserved).unwrap();
+    archive.run(0, &job, &mut Unobserved).unwrap();
     assert!(archive.missing().is_empty());
     assert_eq!(archive.result(0).unwrap().record.outcome, Outcome::Ok);
-    let left = archive.case_folder(0).path().join("panic.json");
+    let left = archive.case_folder(0).path().join("failure.json");
     assert!(!left.exists(), "of the panic nothing is left");
 }

@@ -6,8 +6,9 @@
 
 use snowlab_solver::{Real, State, Vector};
 
+use crate::store::without_hash;
+
 const MAGIC: &[u8; 16] = b"snowlab-frames-1";
-const HASH_BYTES: usize = 32;
 
 /// All frames of one run.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,12 +79,8 @@ impl<const D: usize> Frames<D> {
     /// # Errors
     /// In which way the bytes are of another dimension, cut short or changed.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
-        let body = bytes.len().checked_sub(HASH_BYTES).ok_or("it is cut short")?;
-        let (body, hash) = bytes.split_at(body);
-        if blake3::hash(body).as_bytes() != hash {
-            return Err("its checksum does not fit its content".into());
-        }
-        let mut rest = body.strip_prefix(MAGIC).ok_or("it is not a file of frames of this version")?;
+        let mut rest =
+            without_hash(bytes)?.strip_prefix(MAGIC).ok_or("it is not a file of frames of this version")?;
         let dimension = u32::from_le_bytes(take(&mut rest)?);
         if dimension as usize != D {
             return Err(format!("it has {dimension} dimensions, not {D}"));

@@ -5,15 +5,22 @@
 //! ```
 
 pub mod assemble;
+pub mod attempt;
 pub mod check;
+pub mod checkpoint;
 pub mod claims;
+pub mod cost;
 pub mod evaluate;
 pub mod figure;
 pub mod fragments_command;
 pub mod frames;
+pub mod garbage;
+pub mod keeper;
+pub mod manifest;
 pub mod measure;
 pub mod memory;
 pub mod metrics;
+pub mod plan;
 pub mod points;
 pub mod present;
 pub mod record;
@@ -21,6 +28,7 @@ pub mod report;
 pub mod results;
 pub mod run;
 pub mod schedule;
+pub mod slurm;
 pub mod spec;
 pub mod statistics;
 pub mod store;

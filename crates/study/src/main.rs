@@ -19,11 +19,13 @@ struct Arguments {
 const EXAMPLES: &str = "Examples:
   snowlab plan studies/placement.toml              what would run
   snowlab run studies/placement.toml               run it; again, and only what is missing runs
+  snowlab status studies/placement.toml            what there is of each case, and what failed
+  snowlab submit studies/placement.toml            hand it to a Slurm cluster
   snowlab report studies/placement.toml            tables, figures and report from what has run
   snowlab simulate my-scene.toml --out my-scene    one scene, its frames as CSV
   snowlab fragments points.csv --link 0.0144       fragments of any set of points
 
-Exit codes: 0 done, 1 an expectation failed, 2 usage or bad input, 3 cases failed.";
+Exit codes: 0 done, 1 an expectation failed, 2 usage or bad input, 3 cases failed,\n4 stopped on demand.";
 
 fn main() -> ExitCode {
     match Arguments::parse().command.run() {

@@ -39,9 +39,9 @@ impl Outcome {
         Outcome::Stopped { reason: "not-built".into(), message }
     }
 
-    /// A case in which the program made a mistake. It is tried again.
-    pub fn panicked(message: String) -> Self {
-        Outcome::Stopped { reason: "panic".into(), message }
+    /// A case that failed for no fault of its own. It is tried again.
+    pub fn failed(reason: &str, message: String) -> Self {
+        Outcome::Stopped { reason: reason.into(), message }
     }
 
     /// A stop by the solver.

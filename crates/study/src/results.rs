@@ -3,15 +3,23 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
+use rayon::prelude::*;
+
 use crate::assemble::engine;
+use crate::attempt::{Attempt, log, now};
+use crate::checkpoint::CheckpointFile;
+use crate::keeper::{CaseKeeper, Limits, Pause};
+use crate::manifest::{CaseManifest, MANIFEST, Program, peak_memory};
 use crate::measure::{Metrics, measure};
 use crate::metrics::MetricError;
 use crate::record::{Outcome, RunRecord};
-use crate::run::{Observer, run_scene};
+use crate::run::{Ended, Observer, run_kept};
 use crate::spec::scene::{EngineName, PlacementSpec};
 use crate::spec::study::MeasureSpec;
 use crate::spec::{SceneSpec, SpecError};
-use crate::store::{CaseFolder, PANIC, Store, StoreError, case_key, metric_key};
+use crate::store::{
+    Asked, CASE, CaseFolder, FAILURE, SOLVER_VERSION, Store, StoreError, case_key, metric_key, scene_key,
+};
 use crate::sweep::{Case, Study};
 
 /// A case with its results.
@@ -99,54 +107,116 @@ impl<'a> Archive<'a> {
         self.store.case(&self.keys[index])
     }
 
-    /// Numbers of the cases that have not been run.
+    /// Numbers of the cases without a sound record of a finished run.
     pub fn missing(&self) -> Vec<usize> {
-        (0..self.keys.len()).filter(|&index| !self.case_folder(index).is_finished()).collect()
+        (0..self.keys.len()).filter(|&index| !self.is_done(index)).collect()
     }
 
-    /// Runs case number `index` on so many threads and stores what it gives: frames first, the record last. A case that cannot be built, or
-    /// in which the program panics, leaves a record that says so; after a panic the case still counts as missing.
+    /// Whether case number `index` has a sound record of a finished run.
+    pub fn is_done(&self, index: usize) -> bool {
+        let folder = self.case_folder(index);
+        folder.is_finished() && matches!(folder.read_run(), Ok(Some(_)))
+    }
+
+    /// Whether the record of case number `index` says that it stopped.
+    pub fn stopped(&self, index: usize) -> bool {
+        let record = self.case_folder(index).read_record();
+        matches!(record, Ok(Some(RunRecord { outcome: Outcome::Stopped { .. }, .. })))
+    }
+
+    /// What the scene of case number `index` is called whatever the solver's version.
+    ///
+    /// # Errors
+    /// A particle file that cannot be read.
+    pub fn scene_key(&self, index: usize) -> Result<String, SpecError> {
+        let scene = &self.study.cases[index].scene;
+        Ok(scene_key(scene, &inputs_of(scene, self.folder)?))
+    }
+
+    /// Runs case number `index` and stores what it gives: frames first, the record last. A case that cannot be built leaves a record that says so.
+    /// One that fails for no fault of its own, by a panic or a limit, leaves one too, but still counts as missing.
     ///
     /// # Errors
     /// [`StoreError`].
-    pub fn run(&self, index: usize, threads: usize, observer: &mut impl Observer) -> Result<(), StoreError> {
+    pub fn run(&self, index: usize, job: &Job, observer: &mut impl Observer) -> Result<CaseEnd, StoreError> {
         let scene = &self.study.cases[index].scene;
         let folder = self.case_folder(index);
+        let attempt = Attempt::begin(&folder)?;
+        log(&folder, &format!("begins: {} on {} thread(s)", self.describe(index), job.threads));
         // What a panic leaves half done is the observer's count of steps and files that no record vouches for.
         let ended = catch_unwind(AssertUnwindSafe(|| match scene.dimension {
-            3 => self.run_in::<3>(scene, &folder, threads, observer),
-            _ => self.run_in::<2>(scene, &folder, threads, observer),
+            3 => self.run_in::<3>(index, job, &attempt, observer),
+            _ => self.run_in::<2>(index, job, &attempt, observer),
         }));
-        match ended {
-            Ok(ended) => ended.and_then(|()| folder.forget_panic()),
+        let end = match ended {
+            Ok(end) => end?,
             Err(panic) => {
-                let record = RunRecord::without_particles(Outcome::panicked(words_of(panic.as_ref())));
-                folder.write_json("case.json", scene)?;
-                folder.write_json(PANIC, &record)
+                // Where it came from may be the fault: the next attempt begins anew.
+                folder.remove(CheckpointFile::NAME)?;
+                CaseEnd::Failed(Outcome::failed("panic", words_of(panic.as_ref())))
             }
+        };
+        match &end {
+            CaseEnd::Finished => {
+                folder.remove(CheckpointFile::NAME)?;
+                folder.remove(FAILURE)?;
+            }
+            CaseEnd::Failed(outcome) => {
+                folder.write_json(FAILURE, &RunRecord::without_particles(outcome.clone()))?;
+            }
+            CaseEnd::Interrupted => {}
         }
+        log(&folder, &end.in_words());
+        Attempt::end(&folder)?;
+        Ok(end)
     }
 
     fn run_in<const D: usize>(
         &self,
-        scene: &SceneSpec,
-        folder: &CaseFolder,
-        threads: usize,
+        index: usize,
+        job: &Job,
+        attempt: &Attempt,
         observer: &mut impl Observer,
-    ) -> Result<(), StoreError> {
-        folder.write_json("case.json", scene)?;
-        let run = match run_scene::<D>(scene, self.folder, threads, observer) {
-            Ok(run) => run,
-            Err(error) => {
-                let record = RunRecord::without_particles(Outcome::not_built(error.to_string()));
-                return folder.write_json("run.json", &record);
+    ) -> Result<CaseEnd, StoreError> {
+        let scene = &self.study.cases[index].scene;
+        let folder = self.case_folder(index);
+        let scene_key = self.scene_key(index).unwrap_or_default();
+        folder
+            .write_json(CASE, &Asked { solver_version: SOLVER_VERSION, scene_key, scene: scene.clone() })?;
+        let mut keeper = CaseKeeper::new(&folder, self.key(index), job.limits);
+        let ended = run_kept::<D>(scene, self.folder, job.threads, observer, &mut keeper);
+        let record = match ended {
+            Ok(Ended::Paused(pause)) => return Ok(CaseEnd::paused(pause, job.limits)),
+            Ok(Ended::Run(run)) => {
+                folder.write_frames(&run.frames)?;
+                if let Ok(metrics) = measure(&self.study.measure, scene, &run.frames, &run.record) {
+                    folder.write_json(&metrics_file(&self.study.measure), &metrics)?;
+                }
+                run.record
             }
+            Err(error) => RunRecord::without_particles(Outcome::not_built(error.to_string())),
         };
-        folder.write_frames(&run.frames)?;
-        if let Ok(metrics) = measure(&self.study.measure, scene, &run.frames, &run.record) {
-            folder.write_json(&metrics_file(&self.study.measure), &metrics)?;
-        }
-        folder.write_json("run.json", &run.record)
+        let manifest = CaseManifest {
+            program: job.program.clone(),
+            seed: scene.seed,
+            began: attempt.began.clone(),
+            ended: now(),
+            wall_seconds: keeper.elapsed().as_secs_f64(),
+            attempts: attempt.number,
+            peak_memory: peak_memory(),
+            jobs: job.side_by_side,
+            threads: job.threads,
+        };
+        folder.write_json(MANIFEST, &manifest)?;
+        folder.write_run(&record)?;
+        Ok(CaseEnd::Finished)
+    }
+
+    /// Arm, point of the sweep and block of case number `index`.
+    pub fn describe(&self, index: usize) -> String {
+        let case = &self.study.cases[index];
+        let point: Vec<String> = case.axes.iter().map(|(name, value)| format!(" {name} = {value}")).collect();
+        format!("{}{} block {}", case.arm, point.concat(), case.block)
     }
 
     /// The results of case number `index`; frames are measured anew where the measurement has changed.
@@ -170,13 +240,24 @@ impl<'a> Archive<'a> {
         Ok(CaseResult { case, key, record, metrics, unmeasured })
     }
 
-    /// The results of all cases that have left a record, a panic's among them.
+    /// The results of all cases that have left a record, that of a failure among them.
     ///
     /// # Errors
     /// [`CaseError`].
     pub fn results(&self) -> Result<Vec<CaseResult>, CaseError> {
-        let recorded = (0..self.keys.len()).filter(|&index| self.case_folder(index).has_record());
-        recorded.map(|index| self.result(index)).collect()
+        let one = |index| match self.result(index) {
+            Err(CaseError::Missing { .. }) => None,
+            result => Some(result),
+        };
+        (0..self.keys.len()).into_par_iter().filter_map(one).collect()
+    }
+
+    /// Whether the metrics of case number `index` are what was written, or not there.
+    ///
+    /// # Errors
+    /// [`StoreError`], in which way they are not.
+    pub fn check_metrics(&self, index: usize) -> Result<(), StoreError> {
+        self.case_folder(index).read_json::<Metrics>(&metrics_file(&self.study.measure)).map(|_| ())
     }
 
     fn metrics(
@@ -186,7 +267,8 @@ impl<'a> Archive<'a> {
         record: &RunRecord,
     ) -> Result<Result<Metrics, MetricError>, StoreError> {
         let name = metrics_file(&self.study.measure);
-        if let Some(metrics) = folder.read_json(&name)? {
+        // Metrics follow from frames: damaged ones are measured again.
+        if let Ok(Some(metrics)) = folder.read_json(&name) {
             return Ok(Ok(metrics));
         }
         let spec = &self.study.measure;
@@ -201,6 +283,73 @@ impl<'a> Archive<'a> {
     }
 }
 
+/// How a case is to be run.
+#[derive(Clone, Copy, Debug)]
+pub struct Job<'a> {
+    /// Threads.
+    pub threads: usize,
+    /// Cases at the same time.
+    pub side_by_side: usize,
+    /// What it may take.
+    pub limits: &'a Limits,
+    /// The program that runs it.
+    pub program: &'a Program,
+}
+
+impl<'a> Job<'a> {
+    /// On one thread, alone.
+    pub fn alone(limits: &'a Limits, program: &'a Program) -> Self {
+        Job { threads: 1, side_by_side: 1, limits, program }
+    }
+}
+
+/// How an attempt at a case ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CaseEnd {
+    /// With a record of the whole run.
+    Finished,
+    /// For no fault of its own; it will be tried again.
+    Failed(Outcome),
+    /// Put away, because the program was asked to stop.
+    Interrupted,
+}
+
+impl CaseEnd {
+    fn paused(pause: Pause, limits: &Limits) -> Self {
+        match pause {
+            Pause::Interrupted => CaseEnd::Interrupted,
+            Pause::TimeLimit => {
+                let most = humantime::format_duration(limits.time.unwrap_or_default());
+                CaseEnd::Failed(Outcome::failed(
+                    "time-limit",
+                    format!(
+                        "it has run for {most}; it is put away: run it again with a longer `--time-limit`"
+                    ),
+                ))
+            }
+            Pause::StepLimit => {
+                let most = limits.steps.unwrap_or_default();
+                CaseEnd::Failed(Outcome::failed(
+                    "step-limit",
+                    format!(
+                        "it has taken {most} steps; it is put away: run it again with a greater `--step-limit`"
+                    ),
+                ))
+            }
+        }
+    }
+
+    /// In the words of a log.
+    pub fn in_words(&self) -> String {
+        match self {
+            CaseEnd::Finished => "finished".into(),
+            CaseEnd::Failed(Outcome::Stopped { reason, message }) => format!("failed ({reason}): {message}"),
+            CaseEnd::Failed(_) => "failed".into(),
+            CaseEnd::Interrupted => "interrupted: it goes on where it was the next time".into(),
+        }
+    }
+}
+
 fn metrics_file(measure: &MeasureSpec) -> String {
     format!("metrics-{}.json", metric_key(measure))
 }
@@ -211,8 +360,8 @@ fn words_of(panic: &(dyn std::any::Any + Send)) -> String {
     format!("the program failed: {}; please report it", text.unwrap_or("without a word"))
 }
 
-/// The key of a scene, with the contents of its particle files.
-fn key_of(scene: &SceneSpec, folder: &Path) -> Result<String, SpecError> {
+/// The contents of the particle files that a scene names.
+fn inputs_of(scene: &SceneSpec, folder: &Path) -> Result<Vec<Vec<u8>>, SpecError> {
     let mut inputs = Vec::new();
     for body in &scene.body {
         if let PlacementSpec::File { path, .. } = &body.placement {
@@ -220,6 +369,12 @@ fn key_of(scene: &SceneSpec, folder: &Path) -> Result<String, SpecError> {
             inputs.push(std::fs::read(&path).map_err(|source| SpecError::Read { path, source })?);
         }
     }
+    Ok(inputs)
+}
+
+/// The key of a scene, with the contents of its particle files.
+fn key_of(scene: &SceneSpec, folder: &Path) -> Result<String, SpecError> {
+    let inputs = inputs_of(scene, folder)?;
     // The engine that will run is the one that counts: a CPU may not have what the fast one takes.
     let mut scene = scene.clone();
     if !engine(scene.numerics.engine).is_available() {

@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use snowlab_solver::timestep::step_length;
-use snowlab_solver::{Real, Simulation, SimulationError};
+use snowlab_solver::{Real, Scene, Simulation, SimulationError, State};
 
 use crate::assemble::{Assembly, assemble, time_unit};
 use crate::frames::{Frame, Frames};
+use crate::keeper::{Keeper, Pause, Unkept, Wish};
 use crate::record::{HistoryRow, Outcome, RunRecord};
 use crate::spec::scene::{EndFrom, PrecisionName};
 use crate::spec::{SceneSpec, SpecError};
@@ -25,6 +26,15 @@ pub struct Run<const D: usize> {
     pub frames: Frames<D>,
     /// How it went.
     pub record: RunRecord,
+}
+
+/// How a run ended.
+#[derive(Clone, Debug)]
+pub enum Ended<const D: usize> {
+    /// It has come to its end.
+    Run(Run<D>),
+    /// It was put away on the way.
+    Paused(Pause),
 }
 
 /// Something that wants to know how far a run is, and may see each frame's state.
@@ -56,9 +66,26 @@ pub fn run_scene<const D: usize>(
     threads: usize,
     observer: &mut impl Observer,
 ) -> Result<Run<D>, SpecError> {
+    match run_kept::<D>(spec, folder, threads, observer, &mut Unkept)? {
+        Ended::Run(run) => Ok(run),
+        Ended::Paused(_) => unreachable!("a run that is kept nowhere is not put away"),
+    }
+}
+
+/// As [`run_scene`]. The run goes on where `keeper` has it from, and is put away when `keeper` wishes; neither shows in its bytes.
+///
+/// # Errors
+/// A scene that cannot be built.
+pub fn run_kept<const D: usize>(
+    spec: &SceneSpec,
+    folder: &Path,
+    threads: usize,
+    observer: &mut impl Observer,
+    keeper: &mut impl Keeper,
+) -> Result<Ended<D>, SpecError> {
     match spec.numerics.precision {
-        PrecisionName::F64 => run::<f64, D>(spec, folder, threads, observer),
-        PrecisionName::F32 => run::<f32, D>(spec, folder, threads, observer),
+        PrecisionName::F64 => run::<f64, D>(spec, folder, threads, observer, keeper),
+        PrecisionName::F32 => run::<f32, D>(spec, folder, threads, observer, keeper),
     }
 }
 
@@ -67,15 +94,19 @@ fn run<T: Real, const D: usize>(
     folder: &Path,
     threads: usize,
     observer: &mut impl Observer,
-) -> Result<Run<D>, SpecError> {
+    keeper: &mut impl Keeper,
+) -> Result<Ended<D>, SpecError> {
     let Assembly { scene, state, made } = assemble::<T, D>(spec, folder)?;
     let unit = time_unit(&spec.output, made.crossing_time)?;
     let clock = FrameClock::new(spec, unit);
-    let mut kept = Kept { frames: Frames::new(&state), history: Vec::new() };
-    let mut simulation = Simulation::with_threads(scene, state, threads)
-        .map_err(|error| SpecError::value("scene", error.to_string()))?;
-    check_steps(step_length(simulation.scene(), simulation.state()), clock.end(None))?;
+    let (mut simulation, mut kept) = match taken_up(&scene, &state, threads, keeper) {
+        Some(resumed) => resumed,
+        None => begun(scene, state, threads, &clock)?,
+    };
     let outcome = loop {
+        if let Some(pause) = put_away(&simulation, &clock, &kept, keeper) {
+            return Ok(Ended::Paused(pause));
+        }
         match advance(&mut simulation, &clock, &mut kept, observer) {
             Ok(None) => {}
             Ok(Some(outcome)) => break outcome,
@@ -86,7 +117,65 @@ fn run<T: Real, const D: usize>(
         }
     };
     let record = RunRecord::of(&simulation, made, unit, kept.history, outcome);
-    Ok(Run { frames: kept.frames, record })
+    Ok(Ended::Run(Run { frames: kept.frames, record }))
+}
+
+/// A run at its beginning.
+fn begun<T: Real, const D: usize>(
+    scene: Scene<T, D>,
+    state: State<T, D>,
+    threads: usize,
+    clock: &FrameClock,
+) -> Result<(Simulation<T, D>, Kept<D>), SpecError> {
+    let kept = Kept { frames: Frames::new(&state), history: Vec::new() };
+    let simulation = Simulation::with_threads(scene, state, threads)
+        .map_err(|error| SpecError::value("scene", error.to_string()))?;
+    check_steps(step_length(simulation.scene(), simulation.state()), clock.end(None))?;
+    Ok((simulation, kept))
+}
+
+/// A run where `keeper` has it from; `None` where it has none that fits.
+fn taken_up<T: Real, const D: usize>(
+    scene: &Scene<T, D>,
+    start: &State<T, D>,
+    threads: usize,
+    keeper: &mut impl Keeper,
+) -> Option<(Simulation<T, D>, Kept<D>)> {
+    let taken = keeper.take::<T, D>()?;
+    let begun = Frames::new(start);
+    let resumed = || -> Result<_, String> {
+        let frames = Frames::from_bytes(&taken.frames)?;
+        let rows = (frames.frames.len(), taken.history.len());
+        if frames.masses != begun.masses || frames.origin != begun.origin || rows.0 != rows.1 {
+            return Err("its frames are of another run".into());
+        }
+        if taken.simulation.particles() != begun.masses.len() {
+            return Err("it has another number of particles".into());
+        }
+        let simulation = Simulation::resume(scene.clone(), taken.simulation, threads);
+        Ok((simulation.map_err(|error| error.to_string())?, Kept { frames, history: taken.history }))
+    };
+    resumed().map_err(|reason| keeper.refuse(&reason)).ok()
+}
+
+/// Puts the run away where `keeper` wishes so and it can be done; why it should stop then, if it should.
+fn put_away<T: Real, const D: usize>(
+    simulation: &Simulation<T, D>,
+    clock: &FrameClock,
+    kept: &Kept<D>,
+    keeper: &mut impl Keeper,
+) -> Option<Pause> {
+    let wish = keeper.wish(simulation.steps());
+    if wish == Wish::GoOn {
+        return None;
+    }
+    let checkpoint = simulation.checkpoint()?;
+    let share = simulation.time() / clock.end(simulation.first_contact());
+    keeper.put(share, kept.frames.to_bytes(), &kept.history, checkpoint);
+    match wish {
+        Wish::Stop(pause) => Some(pause),
+        _ => None,
+    }
 }
 
 /// Keeps a frame where one is due, then takes a step; an outcome where the run is at its end.

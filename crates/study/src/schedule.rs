@@ -1,112 +1,173 @@
-//! Cases side by side, the longest first: one thread each, or more where there are fewer cases than cores.
+//! Cases side by side, those that take longest first: one thread each, or more where there are fewer cases than cores.
 
+use std::collections::VecDeque;
 use std::sync::Mutex;
-use std::time::Instant;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
-use serde::{Deserialize, Serialize};
 use snowlab_solver::{Real, Simulation};
 
-use crate::results::Archive;
+use crate::keeper::Limits;
+use crate::manifest::Program;
+use crate::results::{Archive, CaseEnd, Job};
 use crate::run::Observer;
-use crate::spec::scene::TimeUnit;
-use crate::store::StoreError;
-use crate::sweep::Case;
+use crate::store::{Hold, Lock, StoreError};
 
 /// Hears how the work goes. Called from several threads.
 pub trait Progress: Sync {
     /// So much of the whole work is done, in [0, 1], `cases` of them whole.
     fn advanced(&self, share: f64, cases: usize);
-    /// A case has ended.
-    fn finished(&self, case: &Case, result: Result<(), &StoreError>);
+    /// An attempt at case number `index` has ended.
+    fn ended(&self, index: usize, result: Result<&CaseEnd, &StoreError>);
 }
 
-/// Wall time of a run, and where: kept apart from results.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Clock {
-    /// Wall time [s].
-    pub wall_seconds: f64,
-    /// Host.
-    pub host: String,
-    /// Peak memory of the process so far [bytes].
-    pub peak_memory: u64,
-    /// Cases run side by side.
-    pub jobs: usize,
-}
-
-/// How cases share the machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Jobs {
-    /// Threads in all.
-    pub cores: usize,
-    /// Cases at a time, at most; each has its share of the cores.
+/// How cases are run.
+#[derive(Clone, Debug)]
+pub struct Orders {
+    /// Cases at a time, at most.
     pub side_by_side: usize,
+    /// Threads of each.
+    pub threads: usize,
+    /// Whether no other case begins once one has failed or stopped.
+    pub fail_fast: bool,
+    /// What a case may take.
+    pub limits: Limits,
+    /// The program, for the manifests.
+    pub program: Program,
 }
 
-/// Runs the cases of the given numbers. A case that stops does not keep the others from running.
-///
-/// # Errors
-/// The cases that could not be stored, with their numbers.
+/// Between two looks at cases that other runners are at (chosen: short beside a case, long beside a look).
+const BUSY_WAIT: Duration = Duration::from_millis(100);
+
+/// What came of it.
+#[derive(Debug, Default)]
+pub struct Account {
+    /// Cases run to their end.
+    pub finished: usize,
+    /// Cases that another runner has run meanwhile.
+    pub elsewhere: usize,
+    /// Cases that failed for no fault of their own.
+    pub failed: Vec<usize>,
+    /// Cases that were put away because the program was asked to stop.
+    pub interrupted: usize,
+    /// Cases whose results could not be stored.
+    pub unstored: Vec<(usize, StoreError)>,
+    /// Cases that were not begun.
+    pub left: usize,
+}
+
+/// Runs the cases of the given numbers, the work of each as `work` tells, in any unit. A case that stops does not keep the others from running,
+/// unless the orders say so; a disk that says no does, for nothing could be kept.
 pub fn run_cases(
     archive: &Archive,
     numbers: &[usize],
-    jobs: Jobs,
+    work: &[f64],
+    orders: &Orders,
     progress: &impl Progress,
-) -> Result<(), Vec<(usize, StoreError)>> {
-    let cases = &archive.study.cases;
-    let side_by_side = jobs.side_by_side.min(numbers.len()).max(1);
-    // A thread for each of many cases keeps all cores busy; few cases share the cores.
-    let threads = (jobs.cores / side_by_side).max(1);
+) -> Account {
     let mut order: Vec<usize> = numbers.to_vec();
-    order.sort_by(|&a, &b| predicted_work(&cases[b]).total_cmp(&predicted_work(&cases[a])).then(a.cmp(&b)));
-    let total: f64 = order.iter().map(|&index| predicted_work(&cases[index])).sum();
-    let tally = Mutex::new(Tally { total, done: 0.0, cases: 0 });
-    let run = |&index: &usize| -> Option<(usize, StoreError)> {
-        let started = Instant::now();
-        let mut watcher =
-            Watcher { tally: &tally, progress, work: predicted_work(&cases[index]), reported: 0.0 };
-        let result = archive.run(index, threads, &mut watcher).and_then(|()| {
-            let clock = Clock::read(started.elapsed().as_secs_f64(), side_by_side);
-            archive.case_folder(index).write_json("clock.json", &clock)
-        });
-        watcher.end();
-        progress.finished(&cases[index], result.as_ref().map(|_| ()));
-        result.err().map(|error| (index, error))
+    order.sort_by(|&a, &b| work[b].total_cmp(&work[a]).then(a.cmp(&b)));
+    let total: f64 = order.iter().map(|&index| work[index]).sum();
+    let shop = Shop {
+        archive,
+        orders,
+        progress,
+        work,
+        // One case a task, taken in order: the long ones first, so that the last to end are short.
+        queue: Mutex::new(order.into()),
+        tally: Mutex::new(Tally { total: total.max(f64::MIN_POSITIVE), done: 0.0, cases: 0 }),
+        account: Mutex::default(),
+        closed: AtomicBool::new(false),
     };
-    // One case a task, taken in order: the long ones first, so that the last to end are short. Threads of their own, for a thread of a pool
-    // that waits for a step may begin another case.
-    let queue = Mutex::new(order.iter());
-    let work = || {
-        let mut failed = Vec::new();
-        while let Some(index) = { queue.lock().expect("no panic holds the queue").next() } {
-            failed.extend(run(index));
+    let workers = orders.side_by_side.min(numbers.len()).max(1);
+    // Threads of their own, for a thread of a pool that waits for a step may begin another case.
+    std::thread::scope(|scope| {
+        for worker in (0..workers).map(|_| scope.spawn(|| shop.work())).collect::<Vec<_>>() {
+            worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         }
-        failed
-    };
-    let mut failures: Vec<_> = std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..side_by_side).map(|_| scope.spawn(work)).collect();
-        let ends = workers.into_iter().map(std::thread::ScopedJoinHandle::join);
-        ends.flat_map(|end| end.unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
     });
-    failures.sort_by_key(|(index, _)| *index);
-    if failures.is_empty() { Ok(()) } else { Err(failures) }
+    let mut account = shop.account.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    account.left = shop.queue.into_inner().map_or(0, |queue| queue.len());
+    account.failed.sort_unstable();
+    account.unstored.sort_by_key(|(index, _)| *index);
+    account
 }
 
-/// Expected work of a case, in units that only compare cases of one study: particles times time over spacing, which
-/// steps go with.
-fn predicted_work(case: &Case) -> f64 {
-    let scene = &case.scene;
-    let count: usize = scene
-        .body
-        .iter()
-        // A file's length is not known before it is read.
-        .map(|body| body.placement.count().unwrap_or(10_000))
-        .sum();
-    let speed = scene.body[0].velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
-    let duration = match scene.output.time_unit {
-        TimeUnit::Crossing => scene.output.end / speed.max(1e-3),
-        TimeUnit::Second => scene.output.end,
-    };
-    count as f64 * duration / scene.numerics.spacing
+/// What the workers share.
+struct Shop<'a, P: Progress> {
+    archive: &'a Archive<'a>,
+    orders: &'a Orders,
+    progress: &'a P,
+    work: &'a [f64],
+    queue: Mutex<VecDeque<usize>>,
+    tally: Mutex<Tally>,
+    account: Mutex<Account>,
+    /// Whether no other case is to begin.
+    closed: AtomicBool,
+}
+
+impl<P: Progress> Shop<'_, P> {
+    fn work(&self) {
+        while let Some(index) = self.next() {
+            match Lock::take(&self.archive.case_folder(index).lock(), Hold::Alone) {
+                Ok(Some(_lock)) if self.archive.is_done(index) => {
+                    self.account(|account| account.elsewhere += 1);
+                    self.watcher(index).end();
+                }
+                Ok(Some(_lock)) => self.run(index),
+                Ok(None) => {
+                    // Another runner is at it: later it will have been run, or its runner killed.
+                    self.queue.lock().expect("no panic holds the queue").push_back(index);
+                    std::thread::sleep(BUSY_WAIT);
+                }
+                Err(error) => self.unstored(index, error),
+            }
+        }
+    }
+
+    fn next(&self) -> Option<usize> {
+        let stop = self.orders.limits.stop.load(Ordering::Relaxed) || self.closed.load(Ordering::Relaxed);
+        if stop { None } else { self.queue.lock().expect("no panic holds the queue").pop_front() }
+    }
+
+    fn run(&self, index: usize) {
+        let Orders { side_by_side, threads, ref limits, ref program, .. } = *self.orders;
+        let mut watcher = self.watcher(index);
+        let job = Job { threads, side_by_side, limits, program };
+        match self.archive.run(index, &job, &mut watcher) {
+            Ok(end) => {
+                watcher.end();
+                self.progress.ended(index, Ok(&end));
+                self.account(|account| match end {
+                    CaseEnd::Finished => account.finished += 1,
+                    CaseEnd::Failed(_) => account.failed.push(index),
+                    CaseEnd::Interrupted => account.interrupted += 1,
+                });
+                let failed = match end {
+                    CaseEnd::Finished => self.archive.stopped(index),
+                    _ => true,
+                };
+                if failed && self.orders.fail_fast {
+                    self.closed.store(true, Ordering::Relaxed);
+                }
+            }
+            Err(error) => self.unstored(index, error),
+        }
+    }
+
+    fn unstored(&self, index: usize, error: StoreError) {
+        self.progress.ended(index, Err(&error));
+        self.account(|account| account.unstored.push((index, error)));
+        self.closed.store(true, Ordering::Relaxed);
+    }
+
+    fn account(&self, change: impl FnOnce(&mut Account)) {
+        change(&mut self.account.lock().expect("no panic holds the account"));
+    }
+
+    fn watcher(&self, index: usize) -> Watcher<'_, P> {
+        Watcher { tally: &self.tally, progress: self.progress, work: self.work[index], reported: 0.0 }
+    }
 }
 
 struct Tally {
@@ -148,19 +209,4 @@ impl<P: Progress> Observer for Watcher<'_, P> {
         }
     }
     fn frame<T: Real, const D: usize>(&mut self, _simulation: &Simulation<T, D>) {}
-}
-
-impl Clock {
-    fn read(wall_seconds: f64, jobs: usize) -> Self {
-        let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-        let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-        let kilobytes = kilobytes.and_then(|rest| rest.trim().trim_end_matches(" kB").parse::<u64>().ok());
-        let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
-        Clock {
-            wall_seconds,
-            host: host.trim().to_string(),
-            peak_memory: kilobytes.unwrap_or(0) * 1024,
-            jobs,
-        }
-    }
 }

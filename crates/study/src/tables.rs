@@ -3,11 +3,10 @@
 use crate::assemble::Made;
 use crate::claims::CheckReading;
 use crate::evaluate::Judged;
+use crate::manifest::{CaseManifest, MANIFEST};
 use crate::record::HistoryRow;
 use crate::results::{Archive, CaseResult};
-use crate::schedule::Clock;
 use crate::statistics::{Interval, summarise};
-use crate::store::StoreError;
 use crate::table::{Cell, Row, Table};
 
 /// Endpoints that are summarised by arm.
@@ -441,14 +440,12 @@ pub fn claims(judged: &[Judged]) -> Table {
 }
 
 /// `timings`: the only table that knows a clock.
-///
-/// # Errors
-/// A clock that cannot be read.
-pub fn timings(archive: &Archive, results: &[CaseResult]) -> Result<Table, StoreError> {
+/// A manifest that cannot be read leaves its entries empty.
+pub fn timings(archive: &Archive, results: &[CaseResult]) -> Table {
     let mut rows = Vec::new();
     for result in results {
         let folder = archive.store.case(&result.key);
-        let clock = folder.read_json::<Clock>("clock.json")?;
+        let clock = folder.read_json::<CaseManifest>(MANIFEST).ok().flatten();
         let steps = result.record.particle_steps;
         let per_step = clock.as_ref().filter(|_| steps > 0).map(|c| c.wall_seconds * 1e9 / steps as f64);
         let mut row = Row::default();
@@ -462,8 +459,8 @@ pub fn timings(archive: &Archive, results: &[CaseResult]) -> Result<Table, Store
                 clock.as_ref().map(|c| c.peak_memory as f64),
             )
             .put("jobs", "-", "cases run side by side", clock.as_ref().map(|c| c.jobs as f64))
-            .put("host", "-", "machine", clock.as_ref().map_or("", |c| c.host.as_str()));
+            .put("host", "-", "machine", clock.as_ref().map_or("", |c| c.program.host.as_str()));
         rows.push(row);
     }
-    Ok(Table { name: "timings", rows })
+    Table { name: "timings", rows }
 }

@@ -9,8 +9,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::manifest::{CaseManifest, MANIFEST};
 use crate::results::{Archive, CaseResult};
-use crate::schedule::Clock;
 use crate::spec::study::TradeSpec;
 use crate::store::StoreError;
 use crate::table::{Row, Table};
@@ -107,7 +107,7 @@ fn compare(
         blocks += 1;
         steps += result.record.steps as f64;
         iterations += result.record.iterations as f64;
-        let clock = |result: &CaseResult| archive.store.case(&result.key).read_json::<Clock>("clock.json");
+        let clock = |result: &CaseResult| archive.store.case(&result.key).read_json::<CaseManifest>(MANIFEST);
         seconds.extend(clock(result)?.map(|clock| clock.wall_seconds));
         reference_seconds.extend(clock(truth)?.map(|clock| clock.wall_seconds));
     }

@@ -93,5 +93,5 @@ fn run_times(desk: &Desk) -> Vec<(PathBuf, SystemTime, SystemTime)> {
 }
 
 fn knows_a_clock(path: &Path) -> bool {
-    path.ends_with("timings.csv") || path.ends_with("clock.json")
+    ["timings.csv", "manifest.json", "log.txt"].iter().any(|name| path.ends_with(name))
 }

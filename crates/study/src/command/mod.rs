@@ -1,15 +1,24 @@
 //! The subcommands: what they read and what they print.
 
+mod collect;
 mod fragments;
+mod gc;
+mod opened;
+mod plan;
 mod progress;
+mod run;
 mod sample;
 mod simulate;
-mod study;
+mod status;
+mod submit;
 mod verify;
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
+use clap::{CommandFactory, Subcommand};
+use serde::Serialize;
+
+use opened::StudyArguments;
 
 /// Exit codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,25 +31,34 @@ pub enum Exit {
     BadInput = 2,
     /// Cases stopped or could not be stored.
     CasesFailed = 3,
+    /// Asked to stop; what was begun is put away.
+    Interrupted = 4,
 }
 
 /// A subcommand.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// List the cases of a study: how many, which are there, what would run
-    Plan(StudyArguments),
+    /// List the cases of a study: what is there of each, what would run and why, and how long it would take
+    Plan(plan::PlanArguments),
     /// Run the cases of a study that have not been run, and write its tables; exit code 3 where a case has stopped
-    Run {
-        #[command(flatten)]
-        study: StudyArguments,
-        /// Cases side by side; by default one for each core
-        #[arg(long)]
-        jobs: Option<usize>,
-    },
+    Run(run::RunArguments),
+    /// Say what there is of each case: finished, failed and why, running, interrupted, damaged
+    Status(status::StatusArguments),
+    /// Write the tables of a study from the files of its cases alone, wherever they were run
+    Collect(collect::CollectArguments),
     /// Write tables, figures and report of a study that has been run
     Report(StudyArguments),
     /// Hold a study's results against the ranges it expects; exit code 1 where one is left
-    Check(StudyArguments),
+    Check(collect::CollectArguments),
+    /// Hand the missing cases of a study to a cluster
+    Submit(submit::SubmitArguments),
+    /// List what no case of a study needs, and delete it if told so
+    Gc(gc::GcArguments),
+    /// Print the completions of a shell: `snowlab completions bash > ~/.local/share/bash-completion/completions/snowlab`
+    Completions {
+        /// Shell
+        shell: clap_complete::Shell,
+    },
     /// Run one scene and write its frames as CSV
     Simulate {
         /// Scene file
@@ -84,17 +102,15 @@ fn in_full(error: &dyn std::error::Error) -> String {
     causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
 }
 
-/// Which study, and where its results are.
-#[derive(Debug, Args)]
-pub struct StudyArguments {
-    /// Study file
-    file: PathBuf,
-    /// A named variation of the study
-    #[arg(long)]
-    profile: Option<String>,
-    /// Folder of results
-    #[arg(long, default_value = "results")]
-    out: PathBuf,
+/// Prints a value as JSON.
+fn print_json(value: &impl Serialize) -> anyhow::Result<Exit> {
+    println!("{}", serde_json::to_string_pretty(value)?);
+    Ok(Exit::Done)
+}
+
+/// Cores of the machine that the program may use.
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 impl Command {
@@ -104,10 +120,19 @@ impl Command {
     /// Usage and bad input.
     pub fn run(self) -> anyhow::Result<Exit> {
         match self {
-            Command::Plan(study) => study::plan(&study),
-            Command::Run { study, jobs } => study::run(&study, jobs),
-            Command::Report(study) => study::report(&study),
-            Command::Check(study) => study::check(&study),
+            Command::Plan(arguments) => plan::plan(&arguments),
+            Command::Run(arguments) => run::run(&arguments),
+            Command::Status(arguments) => status::status(&arguments),
+            Command::Collect(arguments) => collect::collect(&arguments),
+            Command::Report(study) => collect::report(&study),
+            Command::Check(arguments) => collect::check(&arguments),
+            Command::Submit(arguments) => submit::submit(&arguments),
+            Command::Gc(arguments) => gc::gc(&arguments),
+            Command::Completions { shell } => {
+                let mut command = crate::Arguments::command();
+                clap_complete::generate(shell, &mut command, "snowlab", &mut std::io::stdout());
+                Ok(Exit::Done)
+            }
             Command::Simulate { scene, out, threads } => simulate::simulate(&scene, &out, threads),
             Command::Sample { scene, output } => sample::sample(&scene, &output),
             Command::Verify(arguments) => verify::verify(&arguments),

@@ -5,9 +5,9 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use snowlab_study::results::{Archive, CaseEnd};
 use snowlab_study::schedule::Progress;
 use snowlab_study::store::StoreError;
-use snowlab_study::sweep::Case;
 
 use super::in_full;
 
@@ -17,7 +17,8 @@ const LINE_INTERVAL: Duration = Duration::from_secs(10);
 const TICKS: u64 = 10_000;
 
 /// A bar on a terminal, plain lines elsewhere. The time left is weighted by particle-steps.
-pub struct Bar {
+pub struct Bar<'a> {
+    archive: &'a Archive<'a>,
     bar: Option<ProgressBar>,
     total: usize,
     plain: Mutex<Plain>,
@@ -29,16 +30,16 @@ struct Plain {
     share: f64,
 }
 
-impl Bar {
-    /// For so many cases.
-    pub fn new(total: usize) -> Self {
+impl<'a> Bar<'a> {
+    /// For so many cases of a study.
+    pub fn new(archive: &'a Archive<'a>, total: usize) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
             let style =
                 ProgressStyle::with_template("{wide_bar} {percent} % {msg}, {elapsed} gone, {eta} to go");
             ProgressBar::new(TICKS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
         let now = Instant::now();
-        Bar { bar, total, plain: Mutex::new(Plain { started: now, latest: now, share: 0.0 }) }
+        Bar { archive, bar, total, plain: Mutex::new(Plain { started: now, latest: now, share: 0.0 }) }
     }
 
     fn line(&self, share: f64, cases: usize) {
@@ -58,7 +59,7 @@ impl Bar {
     }
 }
 
-impl Progress for Bar {
+impl Progress for Bar<'_> {
     fn advanced(&self, share: f64, cases: usize) {
         match &self.bar {
             Some(bar) => {
@@ -69,13 +70,16 @@ impl Progress for Bar {
         }
     }
 
-    fn finished(&self, case: &Case, result: Result<(), &StoreError>) {
-        if let Err(error) = result {
-            let line = format!("{} block {}: {}", case.arm, case.block, in_full(error));
-            match &self.bar {
-                Some(bar) => bar.suspend(|| eprintln!("{line}")),
-                None => eprintln!("{line}"),
-            }
+    fn ended(&self, index: usize, result: Result<&CaseEnd, &StoreError>) {
+        let what = match result {
+            Ok(CaseEnd::Finished) => return,
+            Ok(end) => end.in_words(),
+            Err(error) => format!("failed: {}", in_full(error)),
+        };
+        let line = format!("{}: {what}", self.archive.describe(index));
+        match &self.bar {
+            Some(bar) => bar.suspend(|| eprintln!("{line}")),
+            None => eprintln!("{line}"),
         }
     }
 }

@@ -5,8 +5,6 @@ mod obstacles;
 mod page;
 mod pictures;
 
-use std::path::Path;
-
 use crate::evaluate::{Gates, Judged};
 use crate::figure::{Drawing, FigureError};
 use crate::report::ReportFigure;
@@ -70,16 +68,4 @@ fn drawn(drawing: Result<Drawing, FigureError>) -> Result<Option<Drawing>, Figur
         Err(FigureError::Nothing { .. }) => Ok(None),
         Err(error) => Err(error),
     }
-}
-
-/// Reads git's revision of the folder the program runs in; none outside a checkout.
-pub fn revision(folder: &Path) -> Option<String> {
-    let git = |arguments: &[&str]| {
-        let output = std::process::Command::new("git").arg("-C").arg(folder).args(arguments).output().ok()?;
-        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_string())
-    };
-    let revision = git(&["rev-parse", "--short=12", "HEAD"])?;
-    let changed =
-        git(&["status", "--porcelain", "--untracked-files=no"]).is_some_and(|status| !status.is_empty());
-    Some(if changed { format!("{revision}, with uncommitted changes") } else { revision })
 }

@@ -11,7 +11,9 @@ use super::Setting;
 use super::chart::{Line, Panel, chart};
 use super::evidence::{Check, Effort, Evidence, EvidenceFigure};
 use crate::figure::axis::Scale;
-use crate::results::{Archive, CaseResult};
+use crate::keeper::Limits;
+use crate::manifest::Program;
+use crate::results::{Archive, CaseResult, Job};
 use crate::run::Unobserved;
 use crate::spec::parse;
 use crate::statistics::{mean, standard_deviation, t_interval};
@@ -156,10 +158,12 @@ pub fn run(setting: &Setting) -> anyhow::Result<Evidence> {
     // Those to be run longest first, so that both cores stay busy to the end.
     let mut missing = archive.missing();
     missing.sort_by(|&a, &b| work(&study, b).total_cmp(&work(&study, a)));
+    let (limits, program) = (Limits::default(), Program::this(Path::new(".")));
+    let job = Job::alone(&limits, &program);
     missing
         .par_iter()
         .with_max_len(1)
-        .try_for_each(|&index| archive.run(index, 1, &mut Unobserved))
+        .try_for_each(|&index| archive.run(index, &job, &mut Unobserved).map(|_| ()))
         .with_context(|| format!("cannot keep the cases of {}", setting.out.display()))?;
     let results = archive.results()?;
     let arms = Arms::of(&results);

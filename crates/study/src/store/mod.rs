@@ -3,19 +3,33 @@
 //! ```text
 //! <out>/<study>/cases/<key>/case.json      what was asked
 //!                           frames.bin     frames
+//!                           manifest.json  who ran it, where and for how long
 //!                           run.json       how it went: written last, so that it marks a finished run
-//!                           panic.json     how it went, where the program panicked: such a case is run again
 //!                           metrics-<k>.json   fragments, by the key of the measurement
-//!                           clock.json     how long it took, and where
+//!                           log.txt        what happened when
+//!                           lock           held by who runs the case
+//!            while it runs: attempt.json   who runs it: what is left of one who was killed
+//!                           checkpoint.bin where it goes on
+//!            where it failed for no fault of its own:
+//!                           failure.json   why: such a case is run again
 //! <out>/<study>/             tables, figures and report of the study run without a profile
 //! <out>/<study>/<profile>/   those of a profile, which shares the cases with all others
+//! <out>/<study>/lock         shared by who runs or reads, alone for who clears away
 //! ```
 
-use std::io::Write;
+mod lock;
+mod whole;
+
+pub use lock::{Hold, Lock};
+pub use whole::{
+    Hashing, TEMPORARY, read_whole, remove, seal, unseal, without_hash, write_once, write_whole,
+    write_whole_with,
+};
+
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::frames::Frames;
@@ -28,8 +42,14 @@ pub const SOLVER_VERSION: u32 = 4;
 /// Changes whenever the same frames give other metrics.
 pub const METRIC_VERSION: u32 = 2;
 
-/// The record of a case in which the program panicked. It does not mark a finished run.
-pub const PANIC: &str = "panic.json";
+/// The record of a finished run.
+pub const RUN: &str = "run.json";
+/// The record of a case that failed for no fault of its own: a panic, a limit. It does not mark a finished run.
+pub const FAILURE: &str = "failure.json";
+/// What was asked.
+pub const CASE: &str = "case.json";
+/// Frames.
+pub const FRAMES: &str = "frames.bin";
 
 /// A result that cannot be written or read.
 #[derive(Debug, Error)]
@@ -43,17 +63,30 @@ pub enum StoreError {
         source: std::io::Error,
     },
     /// A result is not what was written.
-    #[error("{}: {reason}; delete the case's folder and run the study again", path.display())]
+    #[error("{}: {reason}; `snowlab run --repair` with the study's file makes it anew", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
         /// What is wrong.
         reason: String,
     },
+    /// The same case gave two results.
+    #[error(
+        "{}: a second run of the case gave other bytes, kept as {}; the same case must give the same bytes: the \
+         machine, the disk or the program is at fault; please report it with both files",
+        path.display(),
+        second.display()
+    )]
+    Differs {
+        /// The first, which stays.
+        path: PathBuf,
+        /// The second.
+        second: PathBuf,
+    },
 }
 
 /// Names of folders of a study, which no profile can have.
-pub const FOLDERS: [&str; 2] = ["cases", "figures"];
+pub const FOLDERS: [&str; 4] = ["cases", "figures", "lock", "slurm"];
 
 /// The folders of a study's results.
 #[derive(Clone, Debug)]
@@ -81,6 +114,16 @@ impl Store {
         &self.root
     }
 
+    /// The folder of all cases' folders.
+    pub fn cases(&self) -> &Path {
+        &self.cases
+    }
+
+    /// The lock of the study.
+    pub fn lock(&self) -> PathBuf {
+        self.cases.with_file_name("lock")
+    }
+
     /// The folder of a case.
     pub fn case(&self, key: &str) -> CaseFolder {
         CaseFolder { path: self.cases.join(key) }
@@ -91,8 +134,17 @@ impl Store {
 ///
 /// `inputs` are the contents of particle files that the scene names.
 pub fn case_key(scene: &SceneSpec, inputs: &[Vec<u8>]) -> String {
+    key_by(&format!("snowlab case, solver version {SOLVER_VERSION}\n"), scene, inputs)
+}
+
+/// What a case is whatever the version of the solver.
+pub fn scene_key(scene: &SceneSpec, inputs: &[Vec<u8>]) -> String {
+    key_by("snowlab scene\n", scene, inputs)
+}
+
+fn key_by(what: &str, scene: &SceneSpec, inputs: &[Vec<u8>]) -> String {
     let mut hasher = blake3::Hasher::new();
-    hasher.update(format!("snowlab case, solver version {SOLVER_VERSION}\n").as_bytes());
+    hasher.update(what.as_bytes());
     hasher.update(&serde_json::to_vec(scene).expect("a scene is plain data"));
     for input in inputs {
         hasher.update(&(input.len() as u64).to_le_bytes());
@@ -114,45 +166,58 @@ fn short(hasher: &blake3::Hasher) -> String {
     hasher.finalize().to_hex()[..20].to_string()
 }
 
+/// What was asked of a case, as it stands in its folder.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Asked {
+    /// Version of the solver that was asked.
+    pub solver_version: u32,
+    /// Key of the scene alone ([`scene_key`]).
+    pub scene_key: String,
+    /// The scene in full.
+    pub scene: SceneSpec,
+}
+
 impl CaseFolder {
     /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Whether the run is finished.
+    /// Whether the run has left the mark of its end; its content may be damaged.
     pub fn is_finished(&self) -> bool {
-        self.path.join("run.json").is_file()
+        self.path.join(RUN).is_file()
     }
 
-    /// Whether it has the record of a finished run or of a panic.
-    pub fn has_record(&self) -> bool {
-        self.is_finished() || self.path.join(PANIC).is_file()
+    /// The record of the finished run; `None` where there is none.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub fn read_run(&self) -> Result<Option<RunRecord>, StoreError> {
+        self.read_json(RUN)
     }
 
-    /// The record of the finished run, or else of the panic; `None` where there is neither.
+    /// The lock that who runs the case holds.
+    pub fn lock(&self) -> PathBuf {
+        self.path.join("lock")
+    }
+
+    /// The record of the finished run, or else of the failure; `None` where there is neither.
     ///
     /// # Errors
     /// [`StoreError`].
     pub fn read_record(&self) -> Result<Option<RunRecord>, StoreError> {
-        Ok(match self.read_json("run.json")? {
+        Ok(match self.read_json(RUN)? {
             Some(record) => Some(record),
-            None => self.read_json(PANIC)?,
+            None => self.read_json(FAILURE)?,
         })
     }
 
-    /// Removes the record of an earlier panic, if there is one.
+    /// Removes a file that may not be there.
     ///
     /// # Errors
     /// [`StoreError::Io`].
-    pub fn forget_panic(&self) -> Result<(), StoreError> {
-        let path = self.path.join(PANIC);
-        match std::fs::remove_file(&path) {
-            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-                Err(StoreError::Io { path, source })
-            }
-            _ => Ok(()),
-        }
+    pub fn remove(&self, name: &str) -> Result<(), StoreError> {
+        remove(&self.path.join(name))
     }
 
     /// Writes frames.
@@ -160,7 +225,8 @@ impl CaseFolder {
     /// # Errors
     /// [`StoreError::Io`].
     pub fn write_frames<const D: usize>(&self, frames: &Frames<D>) -> Result<(), StoreError> {
-        write_whole(&self.path.join("frames.bin"), &frames.to_bytes())
+        let sound = |bytes: &[u8]| without_hash(bytes).is_ok();
+        write_once(&self.path.join(FRAMES), &frames.to_bytes(), sound)
     }
 
     /// Reads frames.
@@ -168,21 +234,38 @@ impl CaseFolder {
     /// # Errors
     /// [`StoreError`] where they are missing, cannot be read or are not what was written.
     pub fn read_frames<const D: usize>(&self) -> Result<Frames<D>, StoreError> {
-        let path = self.path.join("frames.bin");
+        let path = self.path.join(FRAMES);
         let bytes = read_whole(&path)?.ok_or("it is missing".to_string());
         bytes
             .and_then(|bytes| Frames::from_bytes(&bytes))
             .map_err(|reason| StoreError::Damaged { path, reason })
     }
 
-    /// Writes a value as JSON.
+    /// Whether the frames are those that were written.
+    ///
+    /// # Errors
+    /// [`StoreError`], in which way they are not.
+    pub fn check_frames(&self) -> Result<(), StoreError> {
+        let path = self.path.join(FRAMES);
+        let bytes = read_whole(&path)?.ok_or("it is missing".to_string());
+        let checked = bytes.and_then(|bytes| without_hash(&bytes).map(|_| ()));
+        checked.map_err(|reason| StoreError::Damaged { path, reason })
+    }
+
+    /// Writes a value as JSON under seal.
     ///
     /// # Errors
     /// [`StoreError::Io`].
     pub fn write_json(&self, name: &str, value: &impl Serialize) -> Result<(), StoreError> {
-        let mut bytes = serde_json::to_vec_pretty(value).expect("results are plain data");
-        bytes.push(b'\n');
-        write_whole(&self.path.join(name), &bytes)
+        write_whole(&self.path.join(name), &seal(value))
+    }
+
+    /// Writes the record that marks a finished run.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub fn write_run(&self, record: &RunRecord) -> Result<(), StoreError> {
+        write_once(&self.path.join(RUN), &seal(record), |bytes| unseal::<RunRecord>(bytes).is_ok())
     }
 
     /// Reads a value written as JSON; `None` where the file is not there.
@@ -191,35 +274,7 @@ impl CaseFolder {
     /// [`StoreError`].
     pub fn read_json<V: DeserializeOwned>(&self, name: &str) -> Result<Option<V>, StoreError> {
         let path = self.path.join(name);
-        let value = read_whole(&path)?.map(|bytes| serde_json::from_slice(&bytes)).transpose();
-        value.map_err(|error| StoreError::Damaged { path, reason: error.to_string() })
+        let value = read_whole(&path)?.map(|bytes| unseal(&bytes)).transpose();
+        value.map_err(|reason| StoreError::Damaged { path, reason })
     }
-}
-
-/// The bytes of a file; `None` where it is not there.
-fn read_whole(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
-    match std::fs::read(path) {
-        Ok(bytes) => Ok(Some(bytes)),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-        Err(source) => Err(StoreError::Io { path: path.into(), source }),
-    }
-}
-
-/// Writes a file beside its place, flushes it to the disk and moves it there: whoever looks sees the whole file or none.
-///
-/// # Errors
-/// [`StoreError::Io`].
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let write = || -> std::io::Result<()> {
-        std::fs::create_dir_all(folder)?;
-        // Readable as any file the user makes: the umask takes from 0666 what it forbids.
-        let mode = std::os::unix::fs::PermissionsExt::from_mode(0o666);
-        let mut file = tempfile::Builder::new().permissions(mode).tempfile_in(folder)?;
-        file.write_all(bytes)?;
-        file.as_file().sync_all()?;
-        file.persist(path).map_err(|error| error.error)?;
-        std::fs::File::open(folder)?.sync_all()
-    };
-    write().map_err(|source| StoreError::Io { path: path.into(), source })
 }

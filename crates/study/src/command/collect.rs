@@ -1,0 +1,148 @@
+//! collect, report, check: tables from the files of the cases alone, and what is made of them. Nothing here simulates.
+
+use clap::Args;
+use serde::Serialize;
+use snowlab_study::check as expectations;
+use snowlab_study::evaluate::assess_claims;
+use snowlab_study::manifest::{Program, StudyManifest, revision};
+use snowlab_study::present::{Findings, Provenance, present};
+use snowlab_study::results::{Archive, CaseResult};
+use snowlab_study::table::{Table, dictionary};
+use snowlab_study::{tables, trade};
+
+use super::opened::{Opened, StudyArguments, stopped, use_study};
+use super::{Exit, print_json};
+
+/// Which study, and how to tell.
+#[derive(Debug, Args)]
+pub struct CollectArguments {
+    #[command(flatten)]
+    study: StudyArguments,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was collected.
+#[derive(Serialize)]
+pub struct Collected {
+    /// Cases of the study.
+    pub cases: usize,
+    /// Rows of `cases.csv`.
+    pub rows: usize,
+    /// Cases that stopped, each with its reason.
+    pub stopped: Vec<String>,
+    /// `cases.csv`.
+    pub path: String,
+}
+
+/// Writes the tables.
+pub fn collect(arguments: &CollectArguments) -> anyhow::Result<Exit> {
+    let Opened { study, text } = arguments.study.open()?;
+    let archive = arguments.study.archive(&study)?;
+    let _lock = use_study(&archive)?;
+    let collected = collect_tables(&archive, &text, &[])?;
+    let missing = collected.cases - collected.rows;
+    if arguments.json {
+        print_json(&collected)?;
+    } else {
+        println!("{}", collected.path);
+        println!("{} cases: {} in the tables, {missing} have not been run", collected.cases, collected.rows);
+    }
+    Ok(if missing == 0 && collected.stopped.is_empty() { Exit::Done } else { Exit::CasesFailed })
+}
+
+/// Writes the tables of what there is, with `more` of them, and says what has stopped.
+pub fn collect_tables(archive: &Archive, text: &str, more: &[Table]) -> anyhow::Result<Collected> {
+    let results = archive.results()?;
+    write_tables(archive, &results, text, more)?;
+    let stopped: Vec<String> = results.iter().filter_map(stopped).collect();
+    stopped.iter().for_each(|line| eprintln!("{line}"));
+    if !stopped.is_empty() {
+        eprintln!("{} of {} cases stopped; they are rows of the tables", stopped.len(), results.len());
+    }
+    Ok(Collected {
+        cases: archive.study.cases.len(),
+        rows: results.len(),
+        stopped,
+        path: archive.store.root().join("cases.csv").display().to_string(),
+    })
+}
+
+/// Writes tables, figures and report.
+pub fn report(arguments: &StudyArguments) -> anyhow::Result<Exit> {
+    let Opened { study, text } = arguments.open()?;
+    let archive = arguments.archive(&study)?;
+    let _lock = use_study(&archive)?;
+    let results = archive.results()?;
+    let missing = study.cases.len() - results.len();
+    anyhow::ensure!(
+        !results.is_empty(),
+        "{}: nothing has been run; run `snowlab run` first",
+        study.spec.name
+    );
+    let (judged, gates) = assess_claims(&archive, &results)?;
+    write_tables(&archive, &results, &text, &[tables::claims(&judged)])?;
+    for judged in &judged {
+        println!("{}", judged.assessment);
+        println!("  measured by {}; calibration by stretch {}", judged.primary, judged.calibration);
+    }
+    gates.words.iter().for_each(|line| println!("{line}"));
+    if missing > 0 {
+        eprintln!("{missing} cases have not been run; run `snowlab run` to complete the study");
+    }
+    let provenance = Provenance { study_text: text, revision: revision(arguments.folder()) };
+    let findings = Findings { archive: &archive, results: &results, judged: &judged, gates: &gates };
+    for name in present(findings, &provenance)? {
+        println!("{}", archive.store.root().join(name).display());
+    }
+    Ok(Exit::Done)
+}
+
+/// A finding as it is told by `--json`.
+#[derive(Serialize)]
+struct Held<'a> {
+    holds: bool,
+    line: &'a str,
+}
+
+/// Holds results against expectations.
+pub fn check(arguments: &CollectArguments) -> anyhow::Result<Exit> {
+    let Opened { study, .. } = arguments.study.open()?;
+    let archive = arguments.study.archive(&study)?;
+    let results = (0..study.cases.len()).map(|index| archive.result(index)).collect::<Result<Vec<_>, _>>()?;
+    let findings = expectations::check(&study, &results);
+    let failed = findings.iter().filter(|finding| !finding.holds).count();
+    if arguments.json {
+        let held: Vec<_> = findings.iter().map(|f| Held { holds: f.holds, line: &f.line }).collect();
+        print_json(&held)?;
+    } else {
+        for finding in &findings {
+            println!("{}  {}", if finding.holds { "holds " } else { "FAILED" }, finding.line);
+        }
+        println!("{}: {} expectations, {failed} failed", study.spec.name, findings.len());
+    }
+    Ok(if failed == 0 { Exit::Done } else { Exit::ExpectationFailed })
+}
+
+fn write_tables(archive: &Archive, results: &[CaseResult], text: &str, more: &[Table]) -> anyhow::Result<()> {
+    let own = [
+        tables::cases(results),
+        tables::fragments(results),
+        tables::frames(results),
+        tables::summary(results),
+    ];
+    let timings = tables::timings(archive, results);
+    let trades = trade::trades(archive, results)?;
+    let trades = (!trades.is_empty()).then(|| trade::table(&trades));
+    let all: Vec<&Table> = own.iter().chain(more).chain([&timings]).chain(&trades).collect();
+    for table in &all {
+        table.write(archive.store.root())?;
+    }
+    dictionary(&all).write(archive.store.root())?;
+    let manifest = StudyManifest::of(archive, text, Program::this(archive.folder), results.len());
+    if let Some(warning) = manifest.warning() {
+        eprintln!("{warning}");
+    }
+    Ok(manifest.write(archive.store.root())?)
+}
