@@ -45,7 +45,7 @@ bench: ## time a step of the solver
 report: ## write the reports of the studies that have been run
 	@for target in study:placement pilot:pilot; do \
 		study=$${target#*:}; \
-		plan=$$($(SNOWLAB) plan studies/$$study.toml) || exit; \
+		plan=$$($(SNOWLAB) plan --no-trials studies/$$study.toml) || exit; \
 		if echo "$$plan" | grep -q '^finished'; then \
 			$(SNOWLAB) report studies/$$study.toml || exit; \
 		else \

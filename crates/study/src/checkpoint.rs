@@ -1,7 +1,7 @@
 //! Where a long case goes on after its runner has been stopped: the run as the solver puts it away, and what was kept of it so far.
 //!
 //! Layout: the 16 bytes `snowlab-check-1\n`; the case's key, 20 letters; f64 little-endian share of the run that is done; then, in the postcard
-//! format, frames (as in `frames.bin`), ledgers, seconds so far and the solver's [`Checkpoint`]; last the 32 bytes of the BLAKE3 hash of all before.
+//! format, frames (as in `frames.bin`), ledgers, seconds so far and the solver's [`Checkpoint`]; last the case's signature ([`crate::store::sign`]).
 
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use snowlab_solver::{Checkpoint, Real};
 
 use crate::record::HistoryRow;
-use crate::store::{Hashing, StoreError, read_whole, without_hash, write_whole_with};
+use crate::store::{Hashing, StoreError, read_whole, verify, write_whole_with};
 
 const MAGIC: &[u8; 16] = b"snowlab-check-1\n";
 /// Letters of a case's key.
@@ -68,7 +68,7 @@ impl CheckpointFile {
     /// [`StoreError::Io`].
     pub fn write(&self, share: f64, content: &Put<impl Serialize>) -> Result<(), StoreError> {
         write_whole_with(&self.path, |file| {
-            let mut file = Hashing::new(file);
+            let mut file = Hashing::new(&self.key, file);
             file.write_all(MAGIC)?;
             file.write_all(self.key.as_bytes())?;
             file.write_all(&share.to_le_bytes())?;
@@ -102,7 +102,7 @@ impl CheckpointFile {
     /// # Errors
     /// In which way they are not what was written.
     pub fn parse<V: DeserializeOwned>(&self, bytes: &[u8]) -> Result<V, String> {
-        let body = without_hash(bytes)?;
+        let body = verify(&self.key, bytes)?;
         if body.len() < HEAD || !self.is_own(body) {
             return Err("it is not a checkpoint of this case by this version".into());
         }

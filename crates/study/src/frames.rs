@@ -1,12 +1,10 @@
 //! The frames of a run on disk: positions and plastic volume ratios, in f32, whole or not at all.
 //!
 //! Layout, little-endian: the 16 bytes `snowlab-frames-1`; u32 D, u32 frames, u64 particles; f64 x D origin [m]; f64 x particles
-//! masses [kg]; then for each frame f64 time [s], f32 x D x particles positions less the origin [m], f32 x particles J_P;
-//! last the 32 bytes of the BLAKE3 hash of all before. Particles stand in the order of their ids.
+//! masses [kg]; then for each frame f64 time [s], f32 x D x particles positions less the origin [m], f32 x particles J_P.
+//! In `frames.bin` the case's signature follows ([`crate::store::sign`]). Particles stand in the order of their ids.
 
 use snowlab_solver::{Real, State, Vector};
-
-use crate::store::without_hash;
 
 const MAGIC: &[u8; 16] = b"snowlab-frames-1";
 
@@ -57,7 +55,7 @@ impl<const D: usize> Frames<D> {
         Frames { origin: state.origin, masses, frames: Vec::new() }
     }
 
-    /// The file's bytes.
+    /// The bytes that are written.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
         bytes.extend((D as u32).to_le_bytes());
@@ -69,18 +67,15 @@ impl<const D: usize> Frames<D> {
             let values = frame.positions.iter().flatten().chain(&frame.plastic_ratios);
             values.for_each(|value| bytes.extend(value.to_le_bytes()));
         }
-        let hash = blake3::hash(&bytes);
-        bytes.extend(hash.as_bytes());
         bytes
     }
 
-    /// The frames of a file's bytes.
+    /// The frames of such bytes.
     ///
     /// # Errors
     /// In which way the bytes are of another dimension, cut short or changed.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
-        let mut rest =
-            without_hash(bytes)?.strip_prefix(MAGIC).ok_or("it is not a file of frames of this version")?;
+        let mut rest = bytes.strip_prefix(MAGIC).ok_or("it is not a file of frames of this version")?;
         let dimension = u32::from_le_bytes(take(&mut rest)?);
         if dimension as usize != D {
             return Err(format!("it has {dimension} dimensions, not {D}"));
@@ -127,6 +122,7 @@ fn take<const N: usize>(rest: &mut &[u8]) -> Result<[u8; N], String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::store::{sign, verify};
 
     fn frames() -> Frames<2> {
         Frames {
@@ -147,15 +143,18 @@ mod tests {
 
     #[test]
     fn every_cut_and_every_flipped_bit_is_noticed() {
-        let bytes = frames().to_bytes();
+        let read = |bytes: &[u8]| verify("case", bytes).and_then(Frames::<2>::from_bytes);
+        let bytes = sign("case", frames().to_bytes());
+        assert_eq!(read(&bytes), Ok(frames()));
         for length in 0..bytes.len() {
-            assert!(Frames::<2>::from_bytes(&bytes[..length]).is_err(), "cut to {length}");
+            assert!(read(&bytes[..length]).is_err(), "cut to {length}");
         }
         for bit in 0..8 * bytes.len() {
             let mut changed = bytes.clone();
             changed[bit / 8] ^= 1 << (bit % 8);
-            assert!(Frames::<2>::from_bytes(&changed).is_err(), "bit {bit}");
+            assert!(read(&changed).is_err(), "bit {bit}");
         }
-        assert!(Frames::<3>::from_bytes(&bytes).unwrap_err().contains("2 dimensions"));
+        assert!(verify("other case", &bytes).is_err());
+        assert!(Frames::<3>::from_bytes(&frames().to_bytes()).unwrap_err().contains("2 dimensions"));
     }
 }

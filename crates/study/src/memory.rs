@@ -1,6 +1,7 @@
 //! How much memory a case takes, before it is run.
 
 use std::f64::consts::PI;
+use std::path::Path;
 
 use crate::assemble::region;
 use crate::spec::SceneSpec;
@@ -111,11 +112,49 @@ pub fn side_by_side(bytes: Option<f64>, cases: usize, cores: usize) -> Result<us
     Ok(wanted.min(fitting))
 }
 
-/// Memory that is free for programs [bytes], where the system tells.
+/// Memory that is free for this program [bytes], where the system tells: of the machine, of the group of programs it belongs to (as a cluster's
+/// jobs do), and of its own address space.
 pub fn available() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let kilobytes = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    kilobytes.trim().trim_end_matches(" kB").parse::<f64>().ok().map(|kilobytes| 1024.0 * kilobytes)
+    [of_machine(), of_group(), of_address_space()].into_iter().flatten().reduce(f64::min)
+}
+
+fn of_machine() -> Option<f64> {
+    kilobytes(&read("/proc/meminfo")?, "MemAvailable:")
+}
+
+/// By the limit of the second version of Linux's control groups.
+fn of_group() -> Option<f64> {
+    let groups = read("/proc/self/cgroup")?;
+    let own = groups.lines().find_map(|line| line.strip_prefix("0::"))?.trim_start_matches('/');
+    let mut folder = Path::new("/sys/fs/cgroup").join(own);
+    let mut least = None;
+    // A group has no more than those it lies in.
+    loop {
+        let number = |name: &str| read(folder.join(name).to_str()?)?.trim().parse::<f64>().ok();
+        if let (Some(most), Some(used)) = (number("memory.max"), number("memory.current")) {
+            least = Some((most - used).max(0.0).min(least.unwrap_or(f64::INFINITY)));
+        }
+        if folder == Path::new("/sys/fs/cgroup") || !folder.pop() {
+            return least;
+        }
+    }
+}
+
+fn of_address_space() -> Option<f64> {
+    let limits = read("/proc/self/limits")?;
+    let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    let most = line.split_whitespace().next()?.parse::<f64>().ok()?;
+    Some((most - kilobytes(&read("/proc/self/status")?, "VmSize:")?).max(0.0))
+}
+
+fn read(path: &str) -> Option<String> {
+    std::fs::read_to_string(path).ok()
+}
+
+/// The number of kilobytes after `name`, in bytes.
+fn kilobytes(text: &str, name: &str) -> Option<f64> {
+    let number = text.lines().find_map(|line| line.strip_prefix(name))?;
+    number.trim().trim_end_matches(" kB").parse::<f64>().ok().map(|kilobytes| 1024.0 * kilobytes)
 }
 
 /// `340 MB`, `2.1 GB`.

@@ -115,7 +115,6 @@ impl ArrayJob<'_> {
         let last = self.elements.len().saturating_sub(1);
         let minutes = (self.seconds / 60.0).ceil().max(1.0) as u64;
         let megabytes = (self.memory / 1e6).ceil() as u64;
-        let log = self.folder.join("element-%a.log");
         format!(
             "#!/bin/bash\n\
              #SBATCH --job-name={name}\n\
@@ -126,8 +125,8 @@ impl ArrayJob<'_> {
              #SBATCH --signal=B:TERM@{WARNING}\n\
              #SBATCH --requeue\n\
              #SBATCH --open-mode=append\n\
-             #SBATCH --output={log}\n\
-             #SBATCH --chdir={directory}\n\
+             #SBATCH {log}\n\
+             #SBATCH {directory}\n\
              # One element: the cases of its line of elements.txt, those that are missing.\n\
              # It stands in for the shell, so that the signal before the limit reaches it: it puts its case away.\n\
              cases=()\n\
@@ -135,8 +134,8 @@ impl ArrayJob<'_> {
              exec {program} run {study} --jobs 1 --threads-per-case {threads} \"${{cases[@]}}\"\n",
             name = self.name,
             threads = self.threads,
-            log = log.display(),
-            directory = self.directory.display(),
+            log = self.option("--output", &self.folder.join("element-%a.log")),
+            directory = self.option("--chdir", self.directory),
             list = quoted(&self.folder.join(LIST).display().to_string()),
             program = quoted(self.program),
             study = self.study_words(),
@@ -151,15 +150,19 @@ impl ArrayJob<'_> {
              #SBATCH --cpus-per-task=1\n\
              #SBATCH --time=60\n\
              #SBATCH --open-mode=append\n\
-             #SBATCH --output={log}\n\
-             #SBATCH --chdir={directory}\n\
+             #SBATCH {log}\n\
+             #SBATCH {directory}\n\
              exec {program} collect {study}\n",
             name = self.name,
-            log = self.folder.join("collect.log").display(),
-            directory = self.directory.display(),
+            log = self.option("--output", &self.folder.join("collect.log")),
+            directory = self.option("--chdir", self.directory),
             program = quoted(self.program),
             study = self.study_words(),
         )
+    }
+
+    fn option(&self, name: &str, path: &Path) -> String {
+        quoted(&format!("{name}={}", path.display()))
     }
 
     fn study_words(&self) -> String {

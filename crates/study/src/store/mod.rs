@@ -22,7 +22,7 @@ mod whole;
 
 pub use lock::{Hold, Lock};
 pub use whole::{
-    Hashing, TEMPORARY, read_whole, remove, seal, unseal, without_hash, write_once, write_whole,
+    Hashing, TEMPORARY, read_whole, remove, seal, sign, unseal, verify, write_once, write_whole,
     write_whole_with,
 };
 
@@ -183,6 +183,11 @@ impl CaseFolder {
         &self.path
     }
 
+    /// The case's key, which the folder is named by.
+    fn key(&self) -> &str {
+        self.path.file_name().and_then(|name| name.to_str()).unwrap_or_default()
+    }
+
     /// Whether the run has left the mark of its end; its content may be damaged.
     pub fn is_finished(&self) -> bool {
         self.path.join(RUN).is_file()
@@ -225,8 +230,8 @@ impl CaseFolder {
     /// # Errors
     /// [`StoreError::Io`].
     pub fn write_frames<const D: usize>(&self, frames: &Frames<D>) -> Result<(), StoreError> {
-        let sound = |bytes: &[u8]| without_hash(bytes).is_ok();
-        write_once(&self.path.join(FRAMES), &frames.to_bytes(), sound)
+        let sound = |bytes: &[u8]| verify(self.key(), bytes).is_ok();
+        write_once(&self.path.join(FRAMES), &sign(self.key(), frames.to_bytes()), sound)
     }
 
     /// Reads frames.
@@ -237,7 +242,7 @@ impl CaseFolder {
         let path = self.path.join(FRAMES);
         let bytes = read_whole(&path)?.ok_or("it is missing".to_string());
         bytes
-            .and_then(|bytes| Frames::from_bytes(&bytes))
+            .and_then(|bytes| Frames::from_bytes(verify(self.key(), &bytes)?))
             .map_err(|reason| StoreError::Damaged { path, reason })
     }
 
@@ -248,7 +253,7 @@ impl CaseFolder {
     pub fn check_frames(&self) -> Result<(), StoreError> {
         let path = self.path.join(FRAMES);
         let bytes = read_whole(&path)?.ok_or("it is missing".to_string());
-        let checked = bytes.and_then(|bytes| without_hash(&bytes).map(|_| ()));
+        let checked = bytes.and_then(|bytes| verify(self.key(), &bytes).map(|_| ()));
         checked.map_err(|reason| StoreError::Damaged { path, reason })
     }
 
@@ -257,7 +262,7 @@ impl CaseFolder {
     /// # Errors
     /// [`StoreError::Io`].
     pub fn write_json(&self, name: &str, value: &impl Serialize) -> Result<(), StoreError> {
-        write_whole(&self.path.join(name), &seal(value))
+        write_whole(&self.path.join(name), &seal(self.key(), value))
     }
 
     /// Writes the record that marks a finished run.
@@ -265,7 +270,8 @@ impl CaseFolder {
     /// # Errors
     /// [`StoreError`].
     pub fn write_run(&self, record: &RunRecord) -> Result<(), StoreError> {
-        write_once(&self.path.join(RUN), &seal(record), |bytes| unseal::<RunRecord>(bytes).is_ok())
+        let sound = |bytes: &[u8]| unseal::<RunRecord>(self.key(), bytes).is_ok();
+        write_once(&self.path.join(RUN), &seal(self.key(), record), sound)
     }
 
     /// Reads a value written as JSON; `None` where the file is not there.
@@ -274,7 +280,7 @@ impl CaseFolder {
     /// [`StoreError`].
     pub fn read_json<V: DeserializeOwned>(&self, name: &str) -> Result<Option<V>, StoreError> {
         let path = self.path.join(name);
-        let value = read_whole(&path)?.map(|bytes| unseal(&bytes)).transpose();
+        let value = read_whole(&path)?.map(|bytes| unseal(self.key(), &bytes)).transpose();
         value.map_err(|reason| StoreError::Damaged { path, reason })
     }
 }

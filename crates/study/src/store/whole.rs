@@ -88,7 +88,7 @@ pub fn remove(path: &Path) -> Result<(), StoreError> {
     }
 }
 
-/// JSON with the hash of its content beside it.
+/// JSON with a hash of its content beside it.
 #[derive(Deserialize)]
 struct Sealed<'a> {
     blake3: &'a str,
@@ -96,10 +96,15 @@ struct Sealed<'a> {
     content: &'a RawValue,
 }
 
-/// A value as JSON under seal: `{"blake3": hash of the content's text, "content": ...}`.
-pub fn seal(value: &impl Serialize) -> Vec<u8> {
+/// The hash of what belongs to `owner`: the same content under another name has another one.
+fn hash_for(owner: &str, content: &[u8]) -> blake3::Hash {
+    blake3::Hasher::new().update(owner.as_bytes()).update(b"\n").update(content).finalize()
+}
+
+/// A value of the case `owner` as JSON under seal: `{"blake3": hash of the owner, a line's end and the content's text, "content": ...}`.
+pub fn seal(owner: &str, value: &impl Serialize) -> Vec<u8> {
     let content = serde_json::to_string_pretty(value).expect("results are plain data");
-    let hash = blake3::hash(content.as_bytes()).to_hex();
+    let hash = hash_for(owner, content.as_bytes()).to_hex();
     format!("{{\n\"blake3\": \"{hash}\",\n\"content\": {content}\n}}\n").into_bytes()
 }
 
@@ -107,12 +112,12 @@ pub fn seal(value: &impl Serialize) -> Vec<u8> {
 ///
 /// # Errors
 /// In which way the bytes are not what was written.
-pub fn unseal<V: DeserializeOwned>(bytes: &[u8]) -> Result<V, String> {
+pub fn unseal<V: DeserializeOwned>(owner: &str, bytes: &[u8]) -> Result<V, String> {
     let sealed: Sealed =
         serde_json::from_slice(bytes).map_err(|error| format!("it is cut short or changed ({error})"))?;
     let content = sealed.content.get();
-    if blake3::hash(content.as_bytes()).to_hex().as_str() != sealed.blake3 {
-        return Err("its checksum does not fit its content".into());
+    if hash_for(owner, content.as_bytes()).to_hex().as_str() != sealed.blake3 {
+        return Err(OTHER_HASH.into());
     }
     serde_json::from_str(content).map_err(|error| format!("it is of another version ({error})"))
 }
@@ -124,10 +129,21 @@ pub struct Hashing<'a> {
     failure: Option<io::Error>,
 }
 
+const OTHER_HASH: &str = "its checksum does not fit its content and its case";
+
+/// `content` of the case `owner`, with its hash behind it.
+pub fn sign(owner: &str, mut content: Vec<u8>) -> Vec<u8> {
+    let hash = hash_for(owner, &content);
+    content.extend(hash.as_bytes());
+    content
+}
+
 impl<'a> Hashing<'a> {
-    /// Nothing is written yet.
-    pub fn new(to: &'a mut dyn Write) -> Self {
-        Hashing { to, hasher: blake3::Hasher::new(), failure: None }
+    /// Nothing is written yet of what belongs to the case `owner`.
+    pub fn new(owner: &str, to: &'a mut dyn Write) -> Self {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(owner.as_bytes()).update(b"\n");
+        Hashing { to, hasher, failure: None }
     }
 
     /// Why the disk last said no, where whoever writes does not pass that on.
@@ -163,15 +179,15 @@ impl Write for Hashing<'_> {
     }
 }
 
-/// The bytes before the hash that ends a file.
+/// The content of a file that ends with its hash, as [`sign`] and [`Hashing`] write it for the case `owner`.
 ///
 /// # Errors
-/// A file that is cut short or changed.
-pub fn without_hash(bytes: &[u8]) -> Result<&[u8], String> {
+/// A file that is cut short, changed, or of another case.
+pub fn verify<'a>(owner: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> {
     let body = bytes.len().checked_sub(HASH).ok_or("it is cut short")?;
     let (body, hash) = bytes.split_at(body);
-    if blake3::hash(body).as_bytes() != hash {
-        return Err("its checksum does not fit its content".into());
+    if hash_for(owner, body).as_bytes() != hash {
+        return Err(OTHER_HASH.into());
     }
     Ok(body)
 }
@@ -183,19 +199,20 @@ mod tests {
     #[test]
     fn a_seal_notices_every_cut_and_every_changed_bit_of_the_content() {
         let value = vec![1.5, -2.0e-9];
-        let bytes = seal(&value);
-        assert_eq!(unseal::<Vec<f64>>(&bytes), Ok(value.clone()));
+        let bytes = seal("a", &value);
+        assert!(unseal::<Vec<f64>>("b", &bytes).is_err(), "of another case");
+        assert_eq!(unseal::<Vec<f64>>("a", &bytes), Ok(value.clone()));
         // The last two bytes close the line and the file.
         for length in 0..bytes.len() - 2 {
-            assert!(unseal::<Vec<f64>>(&bytes[..length]).is_err(), "cut to {length}");
+            assert!(unseal::<Vec<f64>>("a", &bytes[..length]).is_err(), "cut to {length}");
         }
         for bit in 0..8 * bytes.len() {
             let mut changed = bytes.clone();
             changed[bit / 8] ^= 1 << (bit % 8);
             // White space between the parts means nothing: what is accepted is what was written.
             assert!(
-                unseal::<Vec<f64>>(&changed).is_ok_and(|v| v == value)
-                    || unseal::<Vec<f64>>(&changed).is_err()
+                unseal::<Vec<f64>>("a", &changed).is_ok_and(|v| v == value)
+                    || unseal::<Vec<f64>>("a", &changed).is_err()
             );
         }
     }
