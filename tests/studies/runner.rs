@@ -5,6 +5,7 @@ mod desk;
 
 mod broken_results;
 mod exit_codes;
+mod harness;
 mod makefile;
 mod reports;
 mod resuming;

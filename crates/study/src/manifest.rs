@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 use serde::{Deserialize, Serialize};
 
-use crate::attempt::{host, now};
+use crate::attempt::host;
 use crate::results::Archive;
 use crate::store::{METRIC_VERSION, SOLVER_VERSION, StoreError, write_whole};
 
@@ -71,12 +71,14 @@ pub struct StudyManifest {
     pub study_digest: String,
     /// The program that wrote the tables.
     pub program: Program,
-    /// When they were written, UTC.
-    pub written: String,
     /// Cases of the study.
     pub cases: usize,
     /// Cases with a row in the tables.
     pub rows: usize,
+    /// When the first of their attempts began and the last ended, UTC.
+    pub began: Option<String>,
+    /// See `began`.
+    pub ended: Option<String>,
     /// Wall time of all cases together [s].
     pub case_seconds: f64,
     /// Digests of the programs that ran them.
@@ -92,8 +94,10 @@ impl Program {
     pub fn this(folder: &Path) -> Self {
         static DIGEST: OnceLock<String> = OnceLock::new();
         let digest = || {
-            let file = std::env::current_exe().and_then(std::fs::read);
-            file.map_or("unknown".into(), |bytes| blake3::hash(&bytes).to_hex()[..16].to_string())
+            let mut hasher = blake3::Hasher::new();
+            let file = std::env::current_exe().and_then(std::fs::File::open);
+            let hashed = file.and_then(|file| hasher.update_reader(file).map(|hasher| hasher.finalize()));
+            hashed.map_or("unknown".into(), |hash| hash.to_hex()[..16].to_string())
         };
         Program {
             version: env!("CARGO_PKG_VERSION").into(),
@@ -117,9 +121,10 @@ impl StudyManifest {
             profile: archive.study.profile.clone(),
             study_digest: blake3::hash(study_text.as_bytes()).to_hex()[..32].to_string(),
             program,
-            written: now(),
             cases: archive.study.cases.len(),
             rows,
+            began: None,
+            ended: None,
             case_seconds: 0.0,
             programs: BTreeSet::new(),
             revisions: BTreeSet::new(),
@@ -130,6 +135,10 @@ impl StudyManifest {
                 continue;
             };
             manifest.case_seconds += case.wall_seconds;
+            // Times are written so that those of letters and of time are one order.
+            let earlier = manifest.began.take().map_or(case.began.clone(), |began| began.min(case.began));
+            let later = manifest.ended.take().map_or(case.ended.clone(), |ended| ended.max(case.ended));
+            (manifest.began, manifest.ended) = (Some(earlier), Some(later));
             manifest.hosts.insert(case.program.host);
             manifest.programs.insert(case.program.digest);
             manifest.revisions.extend(case.program.revision);

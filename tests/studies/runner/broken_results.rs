@@ -9,7 +9,7 @@ fn each_cause_is_told_once() {
     let frames = desk.files("results").into_keys().filter(|path| path.ends_with("frames.bin"));
     frames.for_each(|path| std::fs::remove_file(desk.path("results").join(path)).unwrap());
     let printed = desk.expect(2, "report study.toml");
-    let told = "frames.bin: it is missing; delete the case's folder";
+    let told = "frames.bin: it is missing; `snowlab run --repair`";
     assert_eq!(printed.matches(told).count(), 1, "{printed}");
 
     desk.write("blocked", "a file where the folder of results should be");

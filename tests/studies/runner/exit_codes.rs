@@ -64,6 +64,17 @@ fn two_where_the_input_is_bad() {
             "run metric.toml",
             "`expect.0.metric`: is \"partikels\"; allowed: a numeric column of `cases.csv`, such as parti",
         ),
+        (
+            "run study.toml --case abc",
+            "`--case` is \"abc\", which no case of the study begins with; `snowlab plan` lists",
+        ),
+        ("run study.toml --index 6", "`--index` is 6; allowed: 0 to 5"),
+        ("run study.toml --shard 0/3", "allowed: K/N with 1 <= K <= N, such as 3/8"),
+        ("run study.toml --shard 4/3", "allowed: K/N with 1 <= K <= N, such as 3/8"),
+        ("run study.toml --time-limit soon", "invalid value 'soon' for '--time-limit <TIME>'"),
+        ("run study.toml --fail-fast --keep-going", "cannot be used with"),
+        ("submit study.toml --executor cloud", "[possible values: slurm]"),
+        ("completions tcsh", "[possible values: bash"),
         ("report study.toml", "nothing has been run"),
         ("check study.toml", "has not been run"),
     ] {

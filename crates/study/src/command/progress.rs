@@ -50,7 +50,7 @@ impl<'a> Bar<'a> {
         }
         plain.latest = Instant::now();
         let gone = plain.started.elapsed().as_secs_f64();
-        let left = gone * (1.0 - plain.share) / plain.share.max(1e-9);
+        let left = gone * (1.0 - plain.share).max(0.0) / plain.share.max(1e-9);
         eprintln!(
             "{:5.1} %, {cases} of {} cases, {gone:.0} s gone, about {left:.0} s to go",
             100.0 * plain.share,

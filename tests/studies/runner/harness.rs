@@ -1,0 +1,185 @@
+//! Running parts of a study, going on with it, and what is told of it.
+
+use serde_json::Value;
+use snowlab_study::manifest::{CaseManifest, MANIFEST};
+use snowlab_study::store::{Asked, CASE, seal, unseal};
+
+use super::{ARMS, Desk, STOPPING_ARM, study};
+
+fn json(text: &str) -> Value {
+    // What is not JSON went to standard error, which stands behind it.
+    let mut values = serde_json::Deserializer::from_str(text).into_iter::<Value>();
+    values.next().expect("a value").unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// Folders of all cases.
+fn folders(desk: &Desk) -> Vec<String> {
+    let names = std::fs::read_dir(desk.path("results/tiny/cases")).expect("cases");
+    names.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+}
+
+#[test]
+fn a_case_goes_on_from_its_checkpoint_to_the_same_bytes() {
+    let desk = Desk::with(&[("study.toml", &study(ARMS))]);
+    desk.expect(0, "run study.toml --jobs 2 --out whole");
+    let printed = desk.expect(3, "run study.toml --jobs 2 --step-limit 20");
+    assert!(printed.contains("failed (step-limit): it has taken 20 steps"), "{printed}");
+    let status = desk.expect(3, "status study.toml");
+    assert!(status.contains("6 failed") && status.contains("% are kept"), "{status}");
+    let plan = desk.expect(0, "plan study.toml");
+    assert!(plan.contains("goes on at ") && plan.ends_with("6 cases: 0 finished, 6 to run\n"), "{plan}");
+    let cases = super::rows(&desk.read("results/tiny/cases.csv"));
+    assert!(cases.iter().all(|row| row["outcome"] == "stopped(step-limit)"), "a failure is a row");
+    desk.expect(0, "run study.toml --jobs 2");
+    let (whole, resumed) = (desk.files("whole"), desk.files("results"));
+    assert_eq!(whole.keys().collect::<Vec<_>>(), resumed.keys().collect::<Vec<_>>(), "no mark is left");
+    let knows_a_clock = |name: &str| ["timings.csv", "manifest.json", "log.txt"].contains(&name);
+    for (path, bytes) in
+        whole.iter().filter(|(path, _)| !knows_a_clock(path.file_name().unwrap().to_str().unwrap()))
+    {
+        assert!(&resumed[path] == bytes, "{}", path.display());
+    }
+    let log = desk.read(&format!("results/tiny/cases/{}/log.txt", folders(&desk)[0]));
+    assert!(log.contains("goes on at ") && log.ends_with("finished\n"), "{log}");
+}
+
+#[test]
+fn a_time_limit_puts_cases_away() {
+    let desk = Desk::with(&[("study.toml", &study(ARMS))]);
+    let printed = desk.expect(3, "run study.toml --jobs 2 --time-limit 0s");
+    assert!(
+        printed.contains("failed (time-limit): it has run for 0s") && printed.contains("`--time-limit`"),
+        "{printed}"
+    );
+    let printed = desk.expect(4, "run study.toml --jobs 2 --stop-after 0s");
+    assert!(printed.contains("interrupted: ") && printed.contains("the same command goes on"), "{printed}");
+    desk.expect(0, "run study.toml --jobs 2 --time-limit 1h");
+}
+
+#[test]
+fn parts_of_a_study_make_the_whole() {
+    let desk = Desk::with(&[("study.toml", &study(ARMS))]);
+    desk.expect(0, "run study.toml --jobs 2 --out whole");
+    let plan = desk.expect(0, "plan study.toml --keys");
+    let keys: Vec<&str> = plan.split_whitespace().collect();
+    assert_eq!(keys.len(), 6);
+    desk.expect(0, "run study.toml --index 5");
+    desk.expect(0, &format!("run study.toml --case {} --case {}", &keys[0][..12], keys[3]));
+    assert_eq!(desk.expect(0, "plan study.toml --keys").split_whitespace().count(), 3);
+    assert!(!desk.path("results/tiny/cases.csv").exists(), "parts write no tables");
+    for part in 1..=4 {
+        desk.expect(0, &format!("run study.toml --shard {part}/4"));
+    }
+    let told = desk.expect(0, "collect study.toml");
+    assert!(told.contains("6 cases: 6 in the tables, 0 have not been run"), "{told}");
+    for table in ["cases", "fragments", "frames", "summary"] {
+        let name = format!("tiny/{table}.csv");
+        assert_eq!(desk.read(&format!("whole/{name}")), desk.read(&format!("results/{name}")));
+    }
+    let missing = desk.expect(3, "collect study.toml --out elsewhere");
+    assert!(missing.contains("0 in the tables, 6 have not been run"), "{missing}");
+}
+
+#[test]
+fn failures_are_run_again_on_demand_and_may_stop_the_rest() {
+    let desk = Desk::with(&[("study.toml", &study(&[STOPPING_ARM, ARMS].concat()))]);
+    // At a step of 0.02 s the stopping arm is taken to be as long as the others: it comes first, as in the file.
+    let printed = desk.expect(3, "run study.toml --jobs 1 --fail-fast --index 0");
+    assert!(!printed.contains("panicked"), "{printed}");
+    desk.expect(3, "run study.toml --jobs 2");
+    assert!(desk.expect(3, "run study.toml").contains("8 cases, 0 to run"));
+    let printed = desk.expect(3, "run study.toml --failed");
+    assert!(
+        printed.contains("8 cases, 2 to run")
+            && printed.contains("leaping block 1 is run again: step-rejected"),
+        "{printed}"
+    );
+    let status = desk.expect(3, "status study.toml");
+    assert!(status.contains("tiny: 8 cases: 6 finished, 2 stopped"), "{status}");
+    assert!(status.contains("log.txt") && status.contains("--failed"), "{status}");
+}
+
+#[test]
+fn what_programs_read_is_json() {
+    let desk = Desk::with(&[("study.toml", &study(&[ARMS, STOPPING_ARM].concat()))]);
+    let plan = json(&desk.expect(0, "plan study.toml --json"));
+    assert_eq!(
+        [plan["to_run"].as_u64(), plan["cases"].as_array().map(|cases| cases.len() as u64)],
+        [Some(8); 2]
+    );
+    assert!(plan["predicted_seconds"].as_f64().is_some_and(|seconds| seconds > 0.0), "{plan}");
+    assert_eq!(plan["cases"][0]["state"], "new");
+    let run = json(&desk.expect(3, "run study.toml --jobs 2 --json"));
+    assert_eq!(run["run"], 8, "{run}");
+    assert_eq!(run["stopped"].as_array().map(Vec::len), Some(2), "{run}");
+    let status = json(&desk.expect(3, "status study.toml --json"));
+    assert_eq!(status["counts"]["finished"], 6, "{status}");
+    assert_eq!(json(&desk.expect(3, "collect study.toml --json"))["rows"], 8);
+    let check = json(&desk.expect(1, "check study.toml --json"));
+    assert!(check.as_array().is_some_and(|held| held.iter().any(|held| held["holds"] == true)), "{check}");
+    assert_eq!(json(&desk.expect(0, "gc study.toml --json"))["deleted"], false);
+}
+
+#[test]
+fn results_of_several_programs_and_versions_are_told() {
+    let desk = Desk::with(&[("study.toml", &study(ARMS))]);
+    desk.expect(0, "run study.toml --jobs 2");
+    let key = desk.expect(0, "plan study.toml").split_whitespace().nth(1).expect("a key").to_string();
+    let path = desk.path(&format!("results/tiny/cases/{key}/{MANIFEST}"));
+    let mut manifest: CaseManifest = unseal(&key, &std::fs::read(&path).unwrap()).unwrap();
+    assert_eq!((manifest.attempts, manifest.seed, manifest.threads), (1, 1, 1));
+    manifest.program.digest = "another".into();
+    manifest.program.revision = Some("fedcba987654".into());
+    std::fs::write(&path, seal(&key, &manifest)).unwrap();
+    let printed = desk.expect(0, "collect study.toml");
+    assert!(printed.contains("run by 2 programs") && printed.contains("fedcba987654"), "{printed}");
+
+    // A folder of the same scene by an older solver.
+    let old = "0123456789abcdef0123";
+    let folder = desk.path(&format!("results/tiny/cases/{key}"));
+    let mut asked: Asked = unseal(&key, &std::fs::read(folder.join(CASE)).unwrap()).unwrap();
+    asked.solver_version = 1;
+    std::fs::rename(&folder, desk.path(&format!("results/tiny/cases/{old}"))).unwrap();
+    std::fs::write(desk.path(&format!("results/tiny/cases/{old}/{CASE}")), seal(old, &asked)).unwrap();
+    let plan = desk.expect(0, "plan study.toml");
+    assert!(
+        plan.contains(&format!("stale        {key}")) && plan.contains("version 1 of the solver"),
+        "{plan}"
+    );
+}
+
+#[test]
+fn what_no_case_needs_is_listed_and_goes_on_demand() {
+    let text = study(&[ARMS, "[profile.quick]\nset = { \"output.end\" = 0.5 }\n"].concat());
+    let desk = Desk::with(&[("study.toml", &text)]);
+    desk.expect(0, "run study.toml --jobs 2");
+    desk.expect(0, "run study.toml --jobs 2 --profile quick");
+    assert!(desk.expect(0, "gc study.toml").starts_with("0 files and folders"));
+    desk.write("results/tiny/cases/notes.txt", "of the user");
+    let first = folders(&desk)[0].clone();
+    desk.write(&format!("results/tiny/cases/{first}/.unfinished-a1b2"), "half a file");
+    desk.write("study.toml", &text.replace("count = 2", "count = 1"));
+    let listed = desk.expect(0, "gc study.toml");
+    assert!(
+        listed.contains("of no case of the study's profiles") && listed.contains("`--delete` deletes it"),
+        "{listed}"
+    );
+    let before = folders(&desk).len();
+    desk.expect(0, "gc study.toml");
+    assert_eq!(folders(&desk).len(), before, "listing deletes nothing");
+    desk.expect(0, "gc study.toml --delete");
+    assert_eq!(folders(&desk).len(), 7, "three cases of two profiles, and the user's notes");
+    assert!(!desk.path(&format!("results/tiny/cases/{first}/.unfinished-a1b2")).exists());
+    desk.expect(0, "gc study.toml --all --delete");
+    assert_eq!(folders(&desk), ["notes.txt"]);
+    assert!(desk.path("results/tiny/cases.csv").exists(), "tables stay");
+}
+
+#[test]
+fn shells_can_complete() {
+    let desk = Desk::new();
+    for shell in ["bash", "zsh", "fish"] {
+        let script = desk.expect(0, &format!("completions {shell}"));
+        assert!(script.contains("snowlab") && script.contains("checkpoint-every"), "{shell}");
+    }
+}
