@@ -1,6 +1,7 @@
 //! The command on tiny studies and scenes: 2D, a few hundred particles, a few dozen steps.
 
 mod broken_results;
+mod compare;
 mod exit_codes;
 mod makefile;
 mod reports;

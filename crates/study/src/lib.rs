@@ -7,6 +7,7 @@
 pub mod assemble;
 pub mod check;
 pub mod claims;
+pub mod compare;
 pub mod evaluate;
 pub mod figure;
 pub mod fragments_command;

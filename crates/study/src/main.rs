@@ -20,10 +20,12 @@ const EXAMPLES: &str = "Examples:
   snowlab plan studies/placement.toml              what would run
   snowlab run studies/placement.toml               run it; again, and only what is missing runs
   snowlab report studies/placement.toml            tables, figures and report from what has run
+  snowlab compare earlier/placement results/placement --relative 1e-9
+                                                   what has changed since
   snowlab simulate my-scene.toml --out my-scene    one scene, its frames as CSV
   snowlab fragments points.csv --link 0.0144       fragments of any set of points
 
-Exit codes: 0 done, 1 an expectation failed, 2 usage or bad input, 3 cases failed.";
+Exit codes: 0 done, 1 an expectation failed or tables differ, 2 usage or bad input, 3 cases failed.";
 
 fn main() -> ExitCode {
     match Arguments::parse().command.run() {

@@ -1,5 +1,6 @@
 //! The subcommands: what they read and what they print.
 
+mod compare;
 mod fragments;
 mod progress;
 mod sample;
@@ -16,7 +17,7 @@ use clap::{Args, Subcommand};
 pub enum Exit {
     /// All done.
     Done = 0,
-    /// An expectation failed.
+    /// An expectation failed, or what was compared differs.
     ExpectationFailed = 1,
     /// Usage or bad input.
     BadInput = 2,
@@ -41,6 +42,8 @@ pub enum Command {
     Report(StudyArguments),
     /// Hold a study's results against the ranges it expects; exit code 1 where one is left
     Check(StudyArguments),
+    /// Hold two sets of tables against each other, within tolerances; exit code 1 where they differ
+    Compare(compare::CompareArguments),
     /// Run one scene and write its frames as CSV
     Simulate {
         /// Scene file
@@ -108,6 +111,7 @@ impl Command {
             Command::Run { study, jobs } => study::run(&study, jobs),
             Command::Report(study) => study::report(&study),
             Command::Check(study) => study::check(&study),
+            Command::Compare(arguments) => compare::compare(arguments),
             Command::Simulate { scene, out, threads } => simulate::simulate(&scene, &out, threads),
             Command::Sample { scene, output } => sample::sample(&scene, &output),
             Command::Verify(arguments) => verify::verify(&arguments),
