@@ -26,7 +26,7 @@ test: ## build and run all tests
 	$(CARGO) test --locked --release --workspace
 
 # Instructions are counted where valgrind is installed, by 77 the script says that it is not.
-check: ## formatting, lints, docs, the study's smoke profile within its ranges, the verification's short form, instruction counts
+check: ## formatting, lints, docs, the study's smoke profile within its ranges, the verification's short form, the same binary from another folder, instruction counts
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --locked --release --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --release --workspace --no-deps
@@ -34,6 +34,7 @@ check: ## formatting, lints, docs, the study's smoke profile within its ranges, 
 	$(SNOWLAB) report studies/placement.toml --profile smoke --out target/smoke
 	$(SNOWLAB) check studies/placement.toml --profile smoke --out target/smoke
 	$(SNOWLAB) verify --quick --out target/verify --page target/verify/page.md
+	tests/reproducible/run
 	tests/instructions/run || [ $$? -eq 77 ]
 
 mutants: ## put known bugs into copies of the code and expect the tests to fail

@@ -9,6 +9,7 @@ mod memory;
 mod notation;
 mod panics;
 mod report;
+mod reproducibility_page;
 mod rollback;
 mod runner;
 mod statistics;

@@ -4,6 +4,7 @@
 mod desk;
 
 mod broken_results;
+mod compare;
 mod exit_codes;
 mod harness;
 mod makefile;

@@ -9,6 +9,7 @@ pub mod attempt;
 pub mod check;
 pub mod checkpoint;
 pub mod claims;
+pub mod compare;
 pub mod cost;
 pub mod evaluate;
 pub mod figure;

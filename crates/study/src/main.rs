@@ -22,10 +22,13 @@ const EXAMPLES: &str = "Examples:
   snowlab status studies/placement.toml            what there is of each case, and what failed
   snowlab submit studies/placement.toml            hand it to a Slurm cluster
   snowlab report studies/placement.toml            tables, figures and report from what has run
+  snowlab compare earlier/placement results/placement --relative 1e-9
+                                                   what has changed since
   snowlab simulate my-scene.toml --out my-scene    one scene, its frames as CSV
   snowlab fragments points.csv --link 0.0144       fragments of any set of points
 
-Exit codes: 0 done, 1 an expectation failed, 2 usage or bad input, 3 cases failed,\n4 stopped on demand.";
+Exit codes: 0 done, 1 an expectation failed or tables differ, 2 usage or bad input, 3 cases failed,
+4 stopped on demand.";
 
 fn main() -> ExitCode {
     match Arguments::parse().command.run() {

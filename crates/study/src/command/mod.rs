@@ -1,6 +1,7 @@
 //! The subcommands: what they read and what they print.
 
 mod collect;
+mod compare;
 mod fragments;
 mod gc;
 mod opened;
@@ -25,7 +26,7 @@ use opened::StudyArguments;
 pub enum Exit {
     /// All done.
     Done = 0,
-    /// An expectation failed.
+    /// An expectation failed, or what was compared differs.
     ExpectationFailed = 1,
     /// Usage or bad input.
     BadInput = 2,
@@ -50,6 +51,8 @@ pub enum Command {
     Report(StudyArguments),
     /// Hold a study's results against the ranges it expects; exit code 1 where one is left
     Check(collect::CollectArguments),
+    /// Hold two sets of tables against each other, within tolerances; exit code 1 where they differ
+    Compare(compare::CompareArguments),
     /// Hand the missing cases of a study to a cluster
     Submit(submit::SubmitArguments),
     /// List what no case of a study needs, and delete it if told so
@@ -133,6 +136,7 @@ impl Command {
                 clap_complete::generate(shell, &mut command, "snowlab", &mut std::io::stdout());
                 Ok(Exit::Done)
             }
+            Command::Compare(arguments) => compare::compare(arguments),
             Command::Simulate { scene, out, threads } => simulate::simulate(&scene, &out, threads),
             Command::Sample { scene, output } => sample::sample(&scene, &output),
             Command::Verify(arguments) => verify::verify(&arguments),

@@ -14,7 +14,7 @@
 
 mod columns;
 mod csv;
-mod lines;
+pub(crate) mod lines;
 mod ply;
 mod ply_header;
 
