@@ -6,10 +6,11 @@ use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
 
-use crate::store::{CaseFolder, Lock, StoreError};
+use crate::checkpoint::CheckpointFile;
+use crate::store::{CaseFolder, FAILURE, Lock, StoreError};
 
 /// Name of the mark.
-const MARK: &str = "attempt.json";
+pub const MARK: &str = "attempt.json";
 /// Name of the log.
 pub const LOG: &str = "log.txt";
 
@@ -52,6 +53,14 @@ impl Attempt {
     /// [`StoreError::Io`].
     pub fn end(folder: &CaseFolder) -> Result<(), StoreError> {
         folder.remove(MARK)
+    }
+
+    /// Removes what is of use only until a case is finished. A runner that was killed just then has left it.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`].
+    pub fn clear(folder: &CaseFolder) -> Result<(), StoreError> {
+        [CheckpointFile::NAME, FAILURE, MARK].iter().try_for_each(|name| folder.remove(name))
     }
 
     /// The mark in a case's folder. One that cannot be read says nothing.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use crate::attempt::MARK;
 use crate::checkpoint::CheckpointFile;
 use crate::plan::folders_of;
 use crate::results::Archive;
@@ -51,7 +52,7 @@ fn leftovers(folder: &Path) -> Vec<Garbage> {
             let name = path.file_name()?.to_str()?;
             let why = match name {
                 _ if name.starts_with(TEMPORARY) => "left by a runner that was killed while it wrote",
-                CheckpointFile::NAME | FAILURE | "attempt.json" if finished => "of a case that is finished",
+                CheckpointFile::NAME | FAILURE | MARK if finished => "of a case that is finished",
                 _ => return None,
             };
             Some(Garbage { bytes: size(&path), path, why })

@@ -97,7 +97,7 @@ pub struct CaseKeeper<'a> {
     before: Duration,
     due: Instant,
     asked: u64,
-    late: bool,
+    wished: Wish,
 }
 
 /// The clock is looked at every so many steps (chosen: a step takes microseconds at least, looking at the clock a fraction of one).
@@ -109,7 +109,16 @@ impl<'a> CaseKeeper<'a> {
         let now = Instant::now();
         let file = CheckpointFile::new(folder.path(), key);
         let due = now + limits.checkpoint_interval;
-        CaseKeeper { folder, file, limits, began: now, before: Duration::ZERO, due, asked: 0, late: false }
+        CaseKeeper {
+            folder,
+            file,
+            limits,
+            began: now,
+            before: Duration::ZERO,
+            due,
+            asked: 0,
+            wished: Wish::GoOn,
+        }
     }
 
     /// Wall time of the case so far, with what attempts before have kept.
@@ -147,14 +156,16 @@ impl Keeper for CaseKeeper<'_> {
         if self.limits.steps.is_some_and(|most| steps >= most) {
             return Wish::Stop(Pause::StepLimit);
         }
-        self.asked += 1;
-        if self.asked.is_multiple_of(STEPS_A_LOOK) {
+        // What is wished holds until it can be done.
+        if self.asked.is_multiple_of(STEPS_A_LOOK) && self.wished == Wish::GoOn {
             if self.limits.time.is_some_and(|most| self.elapsed() >= most) {
-                return Wish::Stop(Pause::TimeLimit);
+                self.wished = Wish::Stop(Pause::TimeLimit);
+            } else if Instant::now() >= self.due {
+                self.wished = Wish::Checkpoint;
             }
-            self.late = Instant::now() >= self.due;
         }
-        if self.late { Wish::Checkpoint } else { Wish::GoOn }
+        self.asked += 1;
+        self.wished
     }
 
     fn put(&mut self, share: f64, frames: Vec<u8>, history: &[HistoryRow], simulation: impl Serialize) {
@@ -169,6 +180,6 @@ impl Keeper for CaseKeeper<'_> {
         }
         let rest = began.elapsed().div_f64(SHARE).max(self.limits.checkpoint_interval);
         self.due = Instant::now() + rest;
-        self.late = false;
+        self.wished = Wish::GoOn;
     }
 }

@@ -156,18 +156,15 @@ impl<'a> Archive<'a> {
                 CaseEnd::Failed(Outcome::failed("panic", words_of(panic.as_ref())))
             }
         };
+        log(&folder, &end.in_words());
         match &end {
-            CaseEnd::Finished => {
-                folder.remove(CheckpointFile::NAME)?;
-                folder.remove(FAILURE)?;
-            }
+            CaseEnd::Finished => Attempt::clear(&folder)?,
             CaseEnd::Failed(outcome) => {
                 folder.write_json(FAILURE, &RunRecord::without_particles(outcome.clone()))?;
+                Attempt::end(&folder)?;
             }
-            CaseEnd::Interrupted => {}
+            CaseEnd::Interrupted => Attempt::end(&folder)?,
         }
-        log(&folder, &end.in_words());
-        Attempt::end(&folder)?;
         Ok(end)
     }
 

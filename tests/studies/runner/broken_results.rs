@@ -14,7 +14,8 @@ fn each_cause_is_told_once() {
 
     desk.write("blocked", "a file where the folder of results should be");
     let printed = desk.expect(2, "run study.toml --out blocked/deep --jobs 1");
-    let line = printed.lines().find(|line| line.starts_with("failed: random block 1")).expect(&printed);
+    let line =
+        printed.lines().find(|line| line.starts_with("snowlab: blocked/deep/tiny/lock: ")).expect(&printed);
     assert!(line.contains("check space and permissions"), "{line}");
     assert_eq!(line.matches("os error").count(), 1, "{line}");
 }

@@ -9,6 +9,7 @@ use clap::Args;
 use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag::{register, register_conditional_shutdown};
+use snowlab_study::attempt::Attempt;
 use snowlab_study::cost::costs;
 use snowlab_study::keeper::{CHECKPOINT_INTERVAL, Limits};
 use snowlab_study::manifest::Program;
@@ -213,8 +214,11 @@ impl RunArguments {
     }
 }
 
-/// Takes the records of finished runs out of the way of cases that are run again, and says why.
+/// Takes the records of finished runs out of the way of cases that are run again, and says why; and what killed runners have left of finished cases.
 fn clear_records(archive: &Archive, statuses: &[Status], numbers: &[usize]) -> anyhow::Result<()> {
+    for status in statuses.iter().filter(|status| status.state.is_done()) {
+        Attempt::clear(&archive.case_folder(status.index))?;
+    }
     for &index in numbers {
         let state = &statuses[index].state;
         if matches!(state, State::Damaged { .. } | State::Stopped { .. }) {

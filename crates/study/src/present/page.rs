@@ -6,6 +6,7 @@ use crate::report::{
     ReportArm, ReportData, ReportError, ReportFact, ReportFailure, ReportFigure, ReportOutcome, ReportTable,
     ReportVerdict, html,
 };
+use crate::spec::scene::{EngineName, PrecisionName};
 use crate::statistics::{Interval, OperatingSpeed, summarise};
 use crate::store::{METRIC_VERSION, SOLVER_VERSION};
 use crate::table::Row;
@@ -208,6 +209,24 @@ fn facts(findings: Findings, provenance: &Provenance) -> Vec<ReportFact> {
         fact("metric version", METRIC_VERSION.to_string()),
         fact("seeds", format!("{first} to {last}")),
         fact("work", format!("{:.2e} particle-steps", steps as f64)),
-        fact("engine, precision", "reference, as the scene says".into()),
+        fact("engine, precision", engines(findings.results)),
     ]
+}
+
+/// Engines and precisions of the cases, as their scenes name them.
+fn engines(results: &[crate::results::CaseResult]) -> String {
+    let named = results.iter().map(|result| {
+        let numerics = &result.case.scene.numerics;
+        let engine = match numerics.engine {
+            EngineName::Fast => "fast",
+            EngineName::Reference => "reference",
+        };
+        let precision = match numerics.precision {
+            PrecisionName::F32 => "f32",
+            PrecisionName::F64 => "f64",
+        };
+        format!("{engine}, {precision}")
+    });
+    let all: std::collections::BTreeSet<String> = named.collect();
+    all.into_iter().collect::<Vec<_>>().join("; ")
 }
