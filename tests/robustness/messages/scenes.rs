@@ -65,6 +65,13 @@ const TABLE: &[Refused] = &[
     refused("[numerics]\nspacing = 0.05", "numerics = 1", &["`numerics`", "`1`", "expected a table"]),
     refused(BALL, "\"ball\"", &["`body.0.region`", "\"ball\"", "expected a table"]),
     refused("spacing = 0.05", "spacing = 0.05\nkernel = 3", &["`numerics.kernel`", "a name in quotes"]),
+    refused("\"ball\"", "3", &["line 6", "`body.0.region.kind`", "`3`", "expected a name in quotes"]),
+    refused(BALL, "[]", &["`body.0.region`"]),
+    refused(
+        "[numerics]",
+        "seed = 9223372036854775808\n[numerics]",
+        &["line 2", "too large", "9223372036854775807"],
+    ),
     // Ranges; all of them are asked of in `ranges.rs`.
     refused("[numerics]", "dimension = 4\n[numerics]", &["`dimension`", "is 4", "2 or 3"]),
     refused("[numerics]", "dimension = 1\n[numerics]", &["`dimension`", "is 1", "2 or 3"]),
@@ -108,6 +115,16 @@ const TABLE: &[Refused] = &[
         PLACEMENT,
         r#"{ kind = "file", path = "a.csv", filled_volume = 1.0 }"#,
         &["`body.0.region`", "`file`", "remove it"],
+    ),
+    refused(
+        "count = 50 }",
+        "count = 50 }\n[[body]]\nplacement = { kind = \"file\", path = \"a.csv\" }\nvoids = { kind = \"circles\" }",
+        &["`body.1.voids`", "`file`", "remove it"],
+    ),
+    refused(
+        "spacing = 0.05",
+        "spacing = 0.05\nadvection = \"blended\"\nintegrator = { kind = \"trapezoidal\" }",
+        &["`numerics.advection`", "`blended`", "`trapezoidal`", "`interpolated`"],
     ),
     refused("count = 50", "count = 20000001", &["`body.0.placement.count`", "20000001", "1 to 2e7"]),
     refused("[0.0, 1.0]", "[0.0, 0.0]", &["`collider.0.shape.normal`", "[0.0, 0.0]", "not zero"]),
@@ -198,7 +215,30 @@ fn regions_may_be_nested_but_not_without_end() {
     };
     scene(&nested(3)).expect("three levels are fine");
     hold_message(&scene(&nested(33)).unwrap_err().to_string(), "33 levels", &["`body.0`", "32 levels"]);
-    hold_message(&scene(&nested(5000)).unwrap_err().to_string(), "5000 levels", &["line 6", "recur"]);
+    let deep = ["line 6", "nested too deep", "fewer levels"];
+    hold_message(&scene(&nested(5000)).unwrap_err().to_string(), "5000 levels", &deep);
+    let key = format!("{}a = 1\n{SCENE}", "a.".repeat(5000));
+    hold_message(&scene(&key).unwrap_err().to_string(), "a key of 5000 parts", &deep[1..]);
+}
+
+/// What f64 holds and f32 does not.
+#[test]
+fn what_is_too_large_for_the_precision_is_refused() {
+    let text = SCENE.replace("spacing = 0.05", "spacing = 0.05\nprecision = \"f32\"");
+    let text = text.replace("count = 50 }", "count = 50 }\nmaterial = { kind = \"elastic\", young = 1e40 }");
+    let message = assemble::<f32, 2>(&spec::parse(&text).unwrap(), Path::new(".")).unwrap_err().to_string();
+    hold_message(
+        &message,
+        "E = 1e40 in f32",
+        &["shear modulus mu is inf", "finite and > 0", "stiffness", "`numerics.precision`"],
+    );
+}
+
+/// The squares of its components are 0: it has a direction all the same.
+#[test]
+fn a_short_normal_has_a_direction() {
+    scene(&SCENE.replace("normal = [0.0, 1.0]", "normal = [1e-200, -1e-200]")).unwrap();
+    scene(&SCENE.replace("normal = [0.0, 1.0]", "normal = [5e-324, 0.0]")).unwrap();
 }
 
 /// Each of these would go on for years.

@@ -15,6 +15,13 @@ const TABLE: &[Refused] = &[
     refused("\"tiny\"", "\"a/b\"", &["`name`", "\"a/b\"", NAME]),
     refused("\"tiny\"", "\"..\"", &["`name`", "\"..\"", "no dot first"]),
     refused("\"tiny\"", "\"\"", &["`name`", NAME]),
+    refused("\"tiny\"", "\"../x\"", &["`name`", "\"../x\"", NAME]),
+    refused("\"tiny\"", "\"/etc/x\"", &["`name`", "\"/etc/x\"", NAME]),
+    refused("\"tiny\"", "\".\"", &["`name`", "\".\"", NAME]),
+    refused("\"tiny\"", "\"con\\u0000\"", &["`name`", "\"con\\0\"", NAME]),
+    refused("\"tiny\"", "\"a\\u001b[2J\"", &["`name`", "\"a\\u{1b}[2J\"", NAME]),
+    refused("\"tiny\"", "\"a\\\\b\"", &["`name`", "\"a\\b\"", NAME]),
+    refused("\"tiny\"", "\"~\"", &["`name`", "\"~\"", NAME]),
     refused("\"tiny\"", "\"Tiny\"", &["`name`", "\"Tiny\"", NAME]),
     refused(
         "\"tiny\"",
@@ -27,6 +34,7 @@ const TABLE: &[Refused] = &[
         "[[arm]]\nid = \"two\"\npicture = \"../figure\"\n",
         &["`arm.1.picture`", "\"../figure\"", NAME],
     ),
+    refused("\"two\"", "\"/etc/x\"", &["`arm.1.id`", "\"/etc/x\"", NAME]),
     // Keys.
     refused(
         "question =",
@@ -40,7 +48,27 @@ const TABLE: &[Refused] = &[
     // Arms.
     refused("\"two\"", "\"one\"", &["`arm.1.id`", "\"one\"", "stands twice", "its own id"]),
     refused("[[arm]]\nid = \"one\"\n[[arm]]\nid = \"two\"\n", "[profile]\n", &["`arm` is missing"]),
-    // Checks.
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ntrade = { reference = \"three\", family = \"f\" }\n",
+        &["`arm.1.trade.reference`", "\"three\"", ARMS],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ntrade = { reference = \"two\", family = \"f\" }\n",
+        &["`arm.1.trade.reference`", "is \"two\"", "the arm itself", "name the one whose results"],
+    ),
+    // Checks, which may not go in circles.
+    refused(
+        "[[arm]]\nid = \"one\"\n[[arm]]\nid = \"two\"\n",
+        "[[arm]]\nid = \"one\"\ncheck = { of = \"two\", by = \"half-step\" }\n[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"half-step\" }\n",
+        &["`arm.0.check`", "is of \"two\"", "a check itself", "name the arm that is checked"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"half-step\" }\n[[arm]]\nid = \"three\"\ncheck = { of = \"one\", by = \"half-step\" }\n",
+        &["`arm.2.check`", "is of \"one\"", "checks already", "remove one"],
+    ),
     refused(
         END,
         "[[arm]]\nid = \"two\"\ncheck = { of = \"three\", by = \"half-step\" }\n",
@@ -174,11 +202,36 @@ const TABLE: &[Refused] = &[
     ),
     refused(
         END,
+        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"a\"\nvalues = [1.0, 2.0]\n",
+        &["`sweep.0.values.0`", "a table of settings by path", "no `path`"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"a\"\nvalues = [{ seed = 1 }]\nnumbers = [1.0]\n",
+        &["`sweep.0.values.0`", "`seed`", "`blocks.first`"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"a\"\npath = \"body.0.phase_shift\"\nvalues = [0.1]\nlabels = []\n",
+        &["`sweep.0.labels`", "0 entries for 1 values", "one for each"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"../h\"\npath = \"numerics.spacing\"\nvalues = [0.1]\n",
+        &["`sweep.0.name`", "\"../h\"", NAME],
+    ),
+    refused(
+        END,
         "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"h\"\npath = \"numerics.spacing\"\nvalues = [0.1, -0.1]\n",
         &["arm `one`", "`numerics.spacing`", "is -0.1"],
     ),
     // Too much.
     refused("count = 2\n", "count = 1000000000\n", &["2000000000 cases", "1000000", "fewer"]),
+    refused(
+        "count = 2\n",
+        "count = 400000\n",
+        &["800000 cases with", "values in all their scenes", "10000000", "smaller"],
+    ),
     // Claims and what they need.
     refused(
         END,
@@ -279,6 +332,23 @@ const TABLE: &[Refused] = &[
         &["`profile.cases`", "cases, figures", "another"],
     ),
     refused(END, "[[arm]]\nid = \"two\"\n[profile.\"../x\"]\n", &["`profile.../x`", "\"../x\"", NAME]),
+    refused(END, "[[arm]]\nid = \"two\"\n[profile.\"/etc/x\"]\n", &["`profile./etc/x`", "\"/etc/x\"", NAME]),
+    refused(END, "[[arm]]\nid = \"two\"\n[profile.\"\"]\n", &["`profile.`", "is \"\"", NAME]),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[profile.\"cases.csv\"]\n",
+        &["`profile.cases.csv`", "file of results", ".csv, .html", "another name"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[profile.quick]\narms = [\"one\", \"one\"]\n",
+        &["`profile.quick.arms`", "\"one\" twice", "each once"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[profile.quick.arm_set.two]\nseed = 1\n",
+        &["`profile.quick.arm_set.two`", "`seed`", "`blocks.first`"],
+    ),
     refused(
         END,
         "[[arm]]\nid = \"two\"\n[profile.quick]\narms = [\"three\"]\n",
@@ -316,6 +386,39 @@ fn a_profile_that_is_not_there_is_named_with_those_that_are() {
     let spec: StudySpec = spec::parse(&format!("{STUDY}[profile.quick]\n[profile.slow]\n")).unwrap();
     let message = Study::expand(spec, Some("fast")).unwrap_err().to_string();
     hold_message(&message, "fast", &["profile `fast`", "quick, slow"]);
+    let message = Study::expand(spec::parse(STUDY).unwrap(), Some("fast")).unwrap_err().to_string();
+    hold_message(&message, "fast", &["profile `fast`", "it has: none"]);
+}
+
+#[test]
+fn arms_and_axes_have_their_limits() {
+    let lines = |count: usize, line: &dyn Fn(usize) -> String| (0..count).map(line).collect::<String>();
+    let none = STUDY.replace("[[arm]]\nid = \"one\"\n[[arm]]\nid = \"two\"\n", "");
+    hold_message(
+        &study(&format!("arm = []\n{none}")).unwrap_err().to_string(),
+        "no arm",
+        &["line 1, `arm`", "is empty", "one [[arm]] or more"],
+    );
+    let arms = lines(1001, &|k| format!("[[arm]]\nid = \"a-{k}\"\n"));
+    let message = study(&format!("{none}{arms}")).unwrap_err().to_string();
+    hold_message(&message, "arms", &["`arm`", "1001 entries", "1 to 1000 [[arm]]", "two studies"]);
+    let axes =
+        lines(21, &|k| format!("[[sweep]]\nname = \"a-{k}\"\npath = \"numerics.spacing\"\nvalues = [0.1]\n"));
+    let message = study(&format!("{STUDY}{axes}")).unwrap_err().to_string();
+    hold_message(&message, "axes", &["`sweep`", "21 axes", "allowed: 20", "leave some out"]);
+}
+
+/// Each of these took more time than there is, before it was refused or read.
+#[test]
+fn a_crowd_that_names_one_another_is_read_soon() {
+    let names = vec!["\"three\""; 500_000].join(", ");
+    let message = study(&format!("noise_floor = [{names}]\n{STUDY}")).unwrap_err().to_string();
+    hold_message(&message, "a long list of arms", &["line 1, `noise_floor`", "\"three\"", ARMS]);
+    let arms: Vec<String> = (0..20_000)
+        .map(|k| format!("[[arm]]\nid = \"a-{k}\"\ncheck = {{ of = \"one\", by = \"half-step\" }}\n"))
+        .collect();
+    let message = study(&format!("{STUDY}{}", arms.concat())).unwrap_err().to_string();
+    hold_message(&message, "many arms", &["`arm`", "20002 entries"]);
 }
 
 /// A thousand million cases, by three axes of a thousand values: refused before any is made.

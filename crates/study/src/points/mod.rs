@@ -159,7 +159,8 @@ enum Format {
 
 impl Format {
     fn of(path: &Path) -> Result<Self, PointsError> {
-        match path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default().as_str() {
+        match path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default().as_str()
+        {
             "csv" => Ok(Self::Csv),
             "ply" => Ok(Self::Ply),
             other => Err(unknown(path, other)),

@@ -44,7 +44,10 @@ pub enum SpecError {
 impl SpecError {
     /// A value at `place` that means nothing.
     pub fn value(place: impl Into<String>, message: impl Into<String>) -> Self {
-        SpecError::Value { place: brief(place.into()), message: brief(message.into()) }
+        SpecError::Value {
+            place: brief(place.into(), MOST_OF_PLACE),
+            message: brief(message.into(), MOST_OF_MESSAGE),
+        }
     }
 
     /// The same error with `place` before its own place.
@@ -62,15 +65,24 @@ impl SpecError {
     }
 }
 
-/// Characters of a place or a message that are shown (chosen: room for the keys of the largest table).
-const MOST_SHOWN: usize = 400;
+/// Bytes of a place that are shown (chosen: room for the deepest key).
+const MOST_OF_PLACE: usize = 110;
+/// Bytes of a message that are shown (chosen: room for the keys of the largest table).
+const MOST_OF_MESSAGE: usize = 370;
 
-/// A text that a long value has not made unreadable.
-fn brief(text: String) -> String {
-    match text.char_indices().nth(MOST_SHOWN) {
-        Some((end, _)) => format!("{}...", &text[..end]),
-        None => text,
+/// A text that a long value has not made unreadable, without what a terminal would obey.
+fn brief(text: String, most: usize) -> String {
+    let mut shown = String::new();
+    for character in text.chars() {
+        if shown.len() >= most {
+            return shown + "...";
+        }
+        match character {
+            '"' | '\'' | '\\' => shown.push(character),
+            other => shown.extend(other.escape_debug()),
+        }
     }
+    shown
 }
 
 /// Files longer than this are refused (chosen: a thousand times the largest study of the project).
@@ -119,7 +131,7 @@ pub fn parse<S: Spec>(text: &str) -> Result<S, SpecError> {
         SpecError::value(line_of(text, &error), refusal::in_plain_words(error.message()))
     };
     let document: toml::Table = toml::from_str(text).map_err(syntax)?;
-    let spec = refusal::parse::<S>(&Value::Table(document), text.len()).map_err(|(key, message)| {
+    let spec = refusal::parse::<S>(&Value::Table(document), || text.len()).map_err(|(key, message)| {
         // The text's own error tells the line, where it is the same one.
         let own = toml::from_str::<S>(text).err();
         let same = own.filter(|error| refusal::in_plain_words(error.message()) == message);
@@ -141,10 +153,9 @@ pub fn parse<S: Spec>(text: &str) -> Result<S, SpecError> {
 /// # Errors
 /// [`SpecError::Value`], naming the key.
 pub fn scene_of(document: &Value) -> Result<SceneSpec, SpecError> {
-    let bytes = document.to_string().len();
     let refused =
         |(key, message): (String, String)| SpecError::value(named(&key).unwrap_or("scene".into()), message);
-    let scene = refusal::parse::<SceneSpec>(document, bytes).map_err(refused)?;
+    let scene = refusal::parse::<SceneSpec>(document, || document.to_string().len()).map_err(refused)?;
     scene.validate()?;
     Ok(scene)
 }

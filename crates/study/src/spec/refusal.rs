@@ -4,7 +4,7 @@
 use serde::de::DeserializeOwned;
 use toml::Value;
 
-/// Documents are tried again with one value left out or put in; in all so many bytes at most are read so (chosen: a
+/// Documents are tried again with values left out or one put in; in all so many bytes at most are read so (chosen: a
 /// second), after which the place found is that of an enclosing table.
 const MOST_BYTES_TRIED: usize = 50 << 20;
 /// What the parser says of a table with two keys where one of several is meant.
@@ -12,18 +12,24 @@ const ONE_OF_SEVERAL: &str = "wanted exactly 1 element, more than 1 element";
 /// The key that tells the variants of a table apart.
 const KIND: &str = "kind";
 
-/// Turns `document`, of about `bytes` bytes, into `S`.
+/// What the parser says of tables and lists within one another without end.
+const TOO_DEEP: [&str; 2] = ["recursion limit", "cannot recurse further"];
+
+/// Turns `document`, of about so many bytes, into `S`.
 ///
 /// # Errors
 /// The dotted key of the first value that is refused, empty where it is the document itself, and what is wrong with it.
-pub fn parse<S: DeserializeOwned>(document: &Value, bytes: usize) -> Result<S, (String, String)> {
+pub fn parse<S: DeserializeOwned>(
+    document: &Value,
+    bytes: impl FnOnce() -> usize,
+) -> Result<S, (String, String)> {
     match document.clone().try_into::<S>() {
         Ok(spec) => Ok(spec),
         Err(error) => {
             let message = error.message().to_string();
             let mut search = Search {
                 document: document.clone(),
-                tries: MOST_BYTES_TRIED / bytes.max(1),
+                tries: MOST_BYTES_TRIED / bytes().max(1),
                 message: &message,
             };
             let path = match missing(&message) {
@@ -43,6 +49,9 @@ pub fn in_plain_words(message: &str) -> String {
     if message == ONE_OF_SEVERAL {
         return "has several keys; give it one".into();
     }
+    if TOO_DEEP.iter().any(|words| message.starts_with(words)) {
+        return "tables or lists are nested too deep to be followed; use fewer levels".into();
+    }
     // Names of types follow.
     let message = ["struct", "internally tagged enum"].iter().fold(message.to_string(), |text, what| {
         match text.split_once(&format!("expected {what}")) {
@@ -53,11 +62,14 @@ pub fn in_plain_words(message: &str) -> String {
     let words = [
         ("unknown field", "unknown key"),
         ("unknown variant", "unknown name"),
+        ("u64 value was too large", "the number is too large; whole numbers go up to 9223372036854775807"),
+        ("expected variant identifier", "expected a name in quotes"),
         ("unit variant, expected string only", "no name; expected a name in quotes"),
         ("unit variant", "a name alone"),
         ("invalid type: ", "is "),
         ("invalid value: ", "is "),
         ("invalid length", "has length"),
+        ("is integer", "is the whole number"),
         ("floating point", "the number"),
         ("expected f64", "expected a number"),
         ("expected u64", "expected a whole number, 0 or greater"),
@@ -89,7 +101,7 @@ impl Search<'_> {
         Some(())
     }
 
-    /// The innermost value without which the message is another one.
+    /// The innermost value that makes the message what it is.
     fn culprit<S: DeserializeOwned>(&mut self) -> Vec<String> {
         let mut path = Vec::new();
         while let Some(longer) = self.culprit_below::<S>(&path) {
@@ -101,25 +113,43 @@ impl Search<'_> {
         path
     }
 
+    /// Values are taken in the order in which they stand: as long as the culprit is among the first ones that are left, the message stays.
     fn culprit_below<S: DeserializeOwned>(&mut self, path: &[String]) -> Option<Vec<String>> {
         let here = at(&self.document, path);
-        let mut keys = keys(here);
-        if self.message.starts_with("invalid length") {
-            // A list of the wrong length changes with each of its values: the list is meant.
-            keys.retain(|key| is_container(step(here, key)));
-        }
-        // Without its kind every table is refused: asked last.
-        keys.sort_by_key(|key| key == KIND);
-        for key in keys {
-            self.spend()?;
-            let candidate = [path, &[key]].concat();
-            let mut without = self.document.clone();
-            remove(&mut without, &candidate);
-            if verdict::<S>(without) != self.message {
-                return Some(candidate);
+        let all = keys(here);
+        // A list of the wrong length changes with each of its values: the list is meant. Without its kind every table is refused.
+        let may_go = |key: &&String| !self.is_of_length() || is_container(step(here, key));
+        let others: Vec<String> = all.iter().filter(|key| *key != KIND).filter(may_go).cloned().collect();
+        let (mut fewest, mut enough) = (0, others.len());
+        while fewest < enough {
+            let middle = (fewest + enough) / 2;
+            if self.is_said_without::<S>(path, &others[middle..])? {
+                enough = middle;
+            } else {
+                fewest = middle + 1;
             }
         }
-        None
+        let culprit = match enough.checked_sub(1) {
+            Some(last) => others[last].clone(),
+            None if all.iter().any(|key| key == KIND) && !self.is_said_without::<S>(path, &all)? => {
+                KIND.into()
+            }
+            None => return None,
+        };
+        Some([path, &[culprit]].concat())
+    }
+
+    fn is_of_length(&self) -> bool {
+        self.message.starts_with("invalid length")
+    }
+
+    /// Whether the message is the same without some keys below `path`, which stand in their order; `None` once too much has been tried.
+    fn is_said_without<S: DeserializeOwned>(&mut self, path: &[String], keys: &[String]) -> Option<bool> {
+        self.spend()?;
+        let mut without = self.document.clone();
+        let here = at_mut(&mut without, path);
+        keys.iter().rev().for_each(|key| remove(here, key));
+        Some(verdict::<S>(without) == self.message)
     }
 
     /// The first table that lacks `key` and is not refused for its lack once it has it.
@@ -182,14 +212,13 @@ fn at_mut<'a>(document: &'a mut Value, path: &[String]) -> &'a mut Value {
     })
 }
 
-fn remove(document: &mut Value, path: &[String]) {
-    let Some((last, before)) = path.split_last() else { return };
-    match at_mut(document, before) {
+fn remove(value: &mut Value, key: &str) {
+    match value {
         Value::Table(table) => {
-            table.remove(last);
+            table.remove(key);
         }
         Value::Array(items) => {
-            items.remove(last.parse().expect("keys of a list are numbers"));
+            items.remove(key.parse().expect("keys of a list are numbers"));
         }
         _ => {}
     }

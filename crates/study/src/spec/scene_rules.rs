@@ -4,7 +4,10 @@ use snowlab_sampler::MOST_PARTICLES;
 use toml::Value;
 
 use super::range::{NOT_NEGATIVE, POSITIVE, Range, at_least, within};
-use super::scene::{BodySpec, EndFrom, MaterialSpec, OutputSpec, PlacementSpec, SolidSpec, TimeUnit};
+use super::scene::{
+    AdvectionName, BodySpec, EndFrom, IntegratorSpec, MaterialSpec, NumericsSpec, OutputSpec, PlacementSpec,
+    SolidSpec, TimeUnit,
+};
 use super::{SceneSpec, Spec, SpecError};
 
 /// Lengths up to 1e6 m, as the sampler takes them.
@@ -129,7 +132,7 @@ impl Spec for SceneSpec {
         }
         for (number, collider) in self.collider.iter().enumerate() {
             if let SolidSpec::HalfSpace { normal, .. } = &collider.shape
-                && normal.iter().map(|component| component * component).sum::<f64>() == 0.0
+                && normal.iter().all(|component| *component == 0.0)
             {
                 let place = format!("`collider.{number}.shape.normal`");
                 return Err(SpecError::value(
@@ -138,6 +141,7 @@ impl Spec for SceneSpec {
                 ));
             }
         }
+        check_advection(&self.numerics)?;
         check_output(&self.output, self)
     }
 }
@@ -224,6 +228,15 @@ fn check_body(body: &BodySpec, number: usize) -> Result<(), SpecError> {
             "is [{lower:?}, {upper:?}]; allowed: [lower, upper], lower 0 or more, below 1, and upper above 1"
         );
         return refuse("material.plastic_ratio_bounds", message);
+    }
+    Ok(())
+}
+
+fn check_advection(numerics: &NumericsSpec) -> Result<(), SpecError> {
+    let trapezoidal = matches!(numerics.integrator, Some(IntegratorSpec::Trapezoidal(_)));
+    if trapezoidal && numerics.advection == AdvectionName::Blended {
+        let message = "is `blended`; allowed with a `trapezoidal` integrator: `interpolated`";
+        return Err(SpecError::value("`numerics.advection`", message));
     }
     Ok(())
 }
