@@ -35,8 +35,8 @@ use rayon::prelude::*;
 use super::messages::hold_message;
 use watch::Watch;
 
-/// Inputs of all readers where the environment does not say (chosen: ten seconds on one core).
-const USUAL_INPUTS: u64 = 100_000;
+/// Inputs of all readers where the environment does not say (chosen: eight seconds on one core).
+const USUAL_INPUTS: u64 = 40_000;
 /// A reader with so many faults is tried no more.
 const MOST_FAULTS: usize = 10;
 /// What says how many.
@@ -83,9 +83,6 @@ fn numbers(percent: u64) -> (Range<u64>, bool) {
 
 /// A refusal is a line of plain words, with nothing that a terminal would obey.
 fn hold_words(message: &str, input: &str) {
-    if std::env::var_os("XX").is_some() {
-        eprintln!("MSG {message}");
-    }
     hold_message(message, input, &[]);
     assert!(!message.contains(char::is_control), "{message:?} has control characters");
 }

@@ -66,7 +66,31 @@ const TABLE: &[Refused] = &[
     refused(BALL, "\"ball\"", &["`body.0.region`", "\"ball\"", "expected a table"]),
     refused("spacing = 0.05", "spacing = 0.05\nkernel = 3", &["`numerics.kernel`", "a name in quotes"]),
     refused("\"ball\"", "3", &["line 6", "`body.0.region.kind`", "`3`", "expected a name in quotes"]),
-    refused(BALL, "[]", &["`body.0.region`"]),
+    refused(BALL, "[]", &["line 6", "`kind` is missing"]),
+    refused(
+        BALL,
+        "[\"ball\", [0.0, 0.3], 0.25]",
+        &["line 6", "`body.0.region`", "is a list, expected a table"],
+    ),
+    refused(
+        "[numerics]\nspacing = 0.05",
+        "numerics = [0.05]",
+        &["line 2", "`numerics`", "is a list, expected a table"],
+    ),
+    refused("[numerics]\nspacing = 0.05", "numerics = []", &["line 2", "`numerics`", "expected a table"]),
+    refused("end = 0.05", "end = 0.05\nend_from = {}", &["`output.end_from`", "is empty"]),
+    refused(
+        "radius = 0.25",
+        "radius = 1e300",
+        &["`body.0.region.radius`", "is 1e300", "above 0, at most 1e6"],
+    ),
+    refused("radius = 0.25", "radius = 1e-300, angle = 1e300", &["`body.0.region.angle`"]),
+    refused("count = 50", "count = 1e300", &["`body.0.placement.count`", "`1e300`", WHOLE]),
+    refused(
+        "centre = [0.0, 0.3]",
+        "centre = [0.0, 1e-300, 0.0, 0.0, 0.0]",
+        &["`body.0.region.centre`", "[0.0, 1e-300, 0.0, ...]", "in 2D: 2 numbers"],
+    ),
     refused(
         "[numerics]",
         "seed = 9223372036854775808\n[numerics]",
@@ -167,14 +191,25 @@ const TABLE: &[Refused] = &[
     ),
     // What is not TOML.
     refused("[numerics]", "[numerics", &["line 2", "unclosed"]),
-    refused("spacing = 0.05", "spacing = 0.05\nspacing = 0.05", &["line 4", "duplicate key"]),
+    refused("spacing = 0.05", "spacing = 0.05\nspacing = 0.05", &["line 4", "duplicate key", "remove one"]),
     refused("spacing = 0.05", "spacing = 0,05", &["line 3"]),
 ];
 
 #[test]
 fn a_long_value_does_not_make_a_long_message() {
     let text = SCENE.replace("spacing = 0.05", &format!("spacing = \"{}\"", "0".repeat(1_000_000)));
-    hold_message(&scene(&text).unwrap_err().to_string(), "a long text", &["`numerics.spacing`", "is string"]);
+    let message = scene(&text).unwrap_err().to_string();
+    hold_message(&message, "a long text", &["`numerics.spacing`", "is string", NUMBER]);
+    let text = SCENE.replace("spacing = 0.05", &format!("spacing = \"{}\"", "0 ".repeat(1_000_000)));
+    let message = scene(&text).unwrap_err().to_string();
+    hold_message(&message, "many words", &["`numerics.spacing`", "is string", NUMBER]);
+    let text = SCENE.replace("spacing = 0.05", &format!("{} = 0.05", "spacing".repeat(1000)));
+    let message = scene(&text).unwrap_err().to_string();
+    hold_message(
+        &message,
+        "a long key",
+        &["`numerics.spacing", "unknown key", "`spacing`, `kernel`", "`max_steps`"],
+    );
 }
 
 #[test]

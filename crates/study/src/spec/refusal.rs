@@ -1,8 +1,12 @@
 //! What is wrong with a document that serde refuses, and at which key: serde itself tells the key of a value only
 //! outside tables with a `kind`.
 
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use toml::Value;
+
+use super::brief;
+use super::range::Shown;
 
 /// Documents are tried again with values left out or one put in; in all so many bytes at most are read so (chosen: a
 /// second), after which the place found is that of an enclosing table.
@@ -12,6 +16,8 @@ const ONE_OF_SEVERAL: &str = "wanted exactly 1 element, more than 1 element";
 /// The key that tells the variants of a table apart.
 const KIND: &str = "kind";
 
+/// Bytes of a value that are shown (chosen: a line).
+const MOST_OF_VALUE: usize = 100;
 /// What the parser says of tables and lists within one another without end.
 const TOO_DEEP: [&str; 2] = ["recursion limit", "cannot recurse further"];
 
@@ -19,12 +25,15 @@ const TOO_DEEP: [&str; 2] = ["recursion limit", "cannot recurse further"];
 ///
 /// # Errors
 /// The dotted key of the first value that is refused, empty where it is the document itself, and what is wrong with it.
-pub fn parse<S: DeserializeOwned>(
+pub fn parse<S: Serialize + DeserializeOwned>(
     document: &Value,
     bytes: impl FnOnce() -> usize,
 ) -> Result<S, (String, String)> {
     match document.clone().try_into::<S>() {
-        Ok(spec) => Ok(spec),
+        Ok(spec) => match list_for_table(document, &Value::try_from(&spec).expect("what was TOML is TOML")) {
+            Some(path) => Err((path.join("."), "is a list, expected a table".into())),
+            None => Ok(spec),
+        },
         Err(error) => {
             let message = error.message().to_string();
             let mut search = Search {
@@ -41,6 +50,25 @@ pub fn parse<S: DeserializeOwned>(
     }
 }
 
+/// The first list that was taken for a table with its values in order, which no page tells of.
+fn list_for_table(written: &Value, read: &Value) -> Option<Vec<String>> {
+    let below = |key: &str, written: &Value, read: &Value| {
+        list_for_table(written, read).map(|path| [vec![key.to_string()], path].concat())
+    };
+    match (written, read) {
+        (Value::Array(_), Value::Table(_)) => Some(Vec::new()),
+        (Value::Table(written), Value::Table(read)) => {
+            written.iter().find_map(|(key, value)| below(key, value, read.get(key)?))
+        }
+        (Value::Array(written), Value::Array(read)) => written
+            .iter()
+            .zip(read)
+            .enumerate()
+            .find_map(|(k, (value, read))| below(&k.to_string(), value, read)),
+        _ => None,
+    }
+}
+
 /// The words of a parser's message that only a programmer understands, in those of a user.
 pub fn in_plain_words(message: &str) -> String {
     if let Some(key) = missing(message) {
@@ -52,6 +80,10 @@ pub fn in_plain_words(message: &str) -> String {
     if TOO_DEEP.iter().any(|words| message.starts_with(words)) {
         return "tables or lists are nested too deep to be followed; use fewer levels".into();
     }
+    if message.contains("value was too large") || message.contains("` as i128") {
+        return "the number is too large; whole numbers go up to 9223372036854775807".into();
+    }
+    let message = &with_short_value(message);
     // Names of types follow.
     let message = ["struct", "internally tagged enum"].iter().fold(message.to_string(), |text, what| {
         match text.split_once(&format!("expected {what}")) {
@@ -62,7 +94,10 @@ pub fn in_plain_words(message: &str) -> String {
     let words = [
         ("unknown field", "unknown key"),
         ("unknown variant", "unknown name"),
-        ("u64 value was too large", "the number is too large; whole numbers go up to 9223372036854775807"),
+        ("floating-point number overflowed", "the number is too large; numbers go up to 1.8e308"),
+        ("duplicate key", "duplicate key; remove one of them"),
+        ("wanted exactly 1 element, found 0 elements", "is empty; give it a name or one key"),
+        ("expected fewer elements in array", "expected a shorter list"),
         ("expected variant identifier", "expected a name in quotes"),
         ("unit variant, expected string only", "no name; expected a name in quotes"),
         ("unit variant", "a name alone"),
@@ -82,6 +117,19 @@ pub fn in_plain_words(message: &str) -> String {
         ("expected an array of length", "expected a list of length"),
     ];
     words.iter().fold(message, |text, (theirs, ours)| text.replace(theirs, ours))
+}
+
+/// The message with its value, which stands before what is expected, cut to what is read; numbers with few digits.
+fn with_short_value(message: &str) -> String {
+    let Some((value, expected)) = message.rsplit_once(", expected ") else { return message.into() };
+    let number = value.strip_prefix("invalid type: floating point `").and_then(|rest| rest.strip_suffix('`'));
+    // chosen: as many digits as a number of f64 needs.
+    let long = number.filter(|digits| digits.len() > 24);
+    let value = match long.and_then(|digits| digits.parse().ok()) {
+        Some(number) => format!("invalid type: floating point `{}`", Shown(number)),
+        None => brief(value, MOST_OF_VALUE),
+    };
+    format!("{value}, expected {expected}")
 }
 
 fn missing(message: &str) -> Option<&str> {

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use super::range::{NOT_NEGATIVE, POSITIVE, Range, at_least, within};
+use super::range::{NOT_NEGATIVE, POSITIVE, Range, Shown, at_least, within};
 use super::study::{
     ArmSpec, BlockSpec, CheckSpec, DEFAULT_PROFILE, ExpectSpec, MeasureSpec, ProfileSpec, SweepSpec,
 };
-use super::{Spec, SpecError, StudySpec};
+use super::{Spec, SpecError, StudySpec, brief};
 use crate::claims::Claim;
 use crate::store::FOLDERS;
 use crate::tables::{CASE_NUMBERS, OWN_COLUMNS};
@@ -28,6 +28,8 @@ pub const RULES: &[(&str, Range)] = &[
 pub const MOST_ARMS: usize = 1000;
 /// Axes of a sweep (chosen: with two values on each, more cases than a study may have).
 pub const MOST_AXES: usize = 20;
+/// Characters of a name (chosen: file systems take 255 with all that is added).
+const MOST_IN_NAME: usize = 64;
 /// What files of results end in; a profile's folder stands beside them.
 const ENDINGS: [&str; 2] = [".csv", ".html"];
 
@@ -317,18 +319,24 @@ fn check_measure(key: &str, measure: &MeasureSpec) -> Result<(), SpecError> {
 fn check_number(place: &str, key: &str, value: f64) -> Result<(), SpecError> {
     match RULES.iter().find(|(known, range)| *known == key && !range.contains(value)) {
         None => Ok(()),
-        Some((_, range)) => refuse(format!("`{place}`"), format!("is {value}; allowed: {range}")),
+        Some((_, range)) => refuse(format!("`{place}`"), format!("is {}; allowed: {range}", Shown(value))),
     }
 }
 
 fn check_name(place: &str, name: &str) -> Result<(), SpecError> {
-    let plain = (1..=64).contains(&name.len())
+    let plain = (1..=MOST_IN_NAME).contains(&name.len())
         && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || "-_.".contains(c))
         && !name.starts_with('.');
     if plain {
         return Ok(());
     }
-    refuse(place, format!("is \"{name}\"; allowed: 1 to 64 of the characters a-z 0-9 - _ . and no dot first"))
+    let name = brief(name, 2 * MOST_IN_NAME);
+    refuse(
+        place,
+        format!(
+            "is \"{name}\"; allowed: 1 to {MOST_IN_NAME} of the characters a-z 0-9 - _ . and no dot first"
+        ),
+    )
 }
 
 fn refuse(place: impl Into<String>, message: impl Into<String>) -> Result<(), SpecError> {
