@@ -19,7 +19,7 @@ use snowlab_study::sweep::Study;
 const JARGON: [&str; 8] = ["usize", "u64", "f64", "struct", "variant", "sequence", "serde", "field `"];
 
 /// Bytes of a message that is still read.
-const MOST_SAID: usize = 600;
+pub const MOST_SAID: usize = 600;
 
 /// A scene that is accepted.
 pub const SCENE: &str = r#"
