@@ -1,4 +1,5 @@
 //! Whatever a user may hand in: it is understood or refused in words that help, and nothing panics or hangs.
 
+mod hostile;
 mod messages;
 mod points;

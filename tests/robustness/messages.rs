@@ -2,9 +2,12 @@
 //! let pass.
 
 mod files;
+mod questions;
 mod ranges;
 mod scenes;
 mod studies;
+
+pub use ranges::SCENES;
 
 use std::path::Path;
 
@@ -16,10 +19,10 @@ use snowlab_study::sweep::Study;
 const JARGON: [&str; 8] = ["usize", "u64", "f64", "struct", "variant", "sequence", "serde", "field `"];
 
 /// Bytes of a message that is still read.
-const MOST_SAID: usize = 600;
+pub const MOST_SAID: usize = 600;
 
 /// A scene that is accepted.
-const SCENE: &str = r#"
+pub const SCENE: &str = r#"
 [numerics]
 spacing = 0.05
 
@@ -36,7 +39,7 @@ end = 0.05
 "#;
 
 /// A study that is accepted.
-const STUDY: &str = r#"
+pub const STUDY: &str = r#"
 name = "tiny"
 question = "Is it refused?"
 [blocks]
@@ -100,7 +103,7 @@ fn hold(base: &str, read: fn(&str) -> Result<(), SpecError>, table: &[Refused]) 
 }
 
 /// A refusal of `what` that says what it must, in words of the user, and briefly.
-fn hold_message(message: &str, what: &str, says: &[&str]) {
+pub fn hold_message(message: &str, what: &str, says: &[&str]) {
     assert_eq!(fault(message, what, says), None);
 }
 
@@ -109,7 +112,9 @@ fn fault(message: &str, what: &str, says: &[&str]) -> Option<String> {
     if let Some(said) = says.iter().find(|said| !message.contains(**said)) {
         return of_it(format!("but not: {said}"));
     }
-    if let Some(word) = JARGON.iter().find(|word| message.contains(**word)) {
+    // The names of precisions are the user's.
+    let words = message.replace("`f64` or `f32`", "").replace("\"f64\"", "").replace("`f64`", "");
+    if let Some(word) = JARGON.iter().find(|word| words.contains(**word)) {
         return of_it(format!("with the word {word}"));
     }
     if message.len() > MOST_SAID { of_it("which is long".into()) } else { None }

@@ -169,7 +169,7 @@ const VARIED: &str = "obj_info by hand\ncomment three elements\nelement face 2\n
     property double X\nproperty uint id\nproperty float z\nproperty char vx\nproperty uchar vy\nproperty int8 vz\n\
     element edge 1\nproperty int vertex1\nend_header\n";
 
-fn varied_binary(big: bool) -> Vec<u8> {
+pub fn varied_binary(big: bool) -> Vec<u8> {
     let name = if big { "big" } else { "little" };
     let mut bytes = format!("ply\r\nformat binary_{name}_endian 1.0\r\n{VARIED}").into_bytes();
     let mut put = |little: &[u8]| match big {
@@ -198,7 +198,7 @@ fn varied_binary(big: bool) -> Vec<u8> {
     bytes
 }
 
-fn varied_ascii() -> Vec<u8> {
+pub fn varied_ascii() -> Vec<u8> {
     let data =
         "3 0 1 1 255\n0 255\n-300 2 0.5 0.25 0.1 4294967295 0.75 -7 200 -7\n2 0 -1e-3 1 -2.5 7 200 7\n9\n";
     format!("ply\nformat ascii 1.0\n{VARIED}{data}").into_bytes()

@@ -37,7 +37,9 @@ pub struct Study {
 }
 
 /// More cases than this are refused (chosen: far more than a cluster runs of one study, far less than memory holds).
-const MOST_CASES: u64 = 1_000_000;
+pub const MOST_CASES: u64 = 1_000_000;
+/// Values in the scenes of all cases together (chosen: half a gigabyte, which is listed in half a minute).
+pub const MOST_VALUES: u64 = 10_000_000;
 
 impl Study {
     /// Expands `spec` under the profile of the given name.
@@ -50,11 +52,13 @@ impl Study {
         let chosen = profile_of(&spec, profile)?;
         check_count(&spec, &chosen)?;
         let mut cases = Vec::new();
+        let points: Vec<Vec<AxisPoint>> = spec.sweep.iter().map(points_of).collect();
+        let combinations = combinations(&points);
         for arm in spec.arm.iter().filter(|arm| runs(&chosen, arm)) {
-            for axes in combinations(&spec.sweep) {
-                let scene = scene_of(&spec, &chosen, arm, &axes)?;
+            for axes in &combinations {
+                let scene = scene_of(&spec, &chosen, arm, axes)?;
                 if let Some(check) = &arm.check {
-                    let checked = arm_of(&spec, &check.of).map(|arm| scene_of(&spec, &chosen, arm, &axes));
+                    let checked = arm_of(&spec, &check.of).map(|arm| scene_of(&spec, &chosen, arm, axes));
                     checked.map_or(Ok(()), |checked| differs_by(arm, check.by, &scene, &checked?))?;
                 }
                 let blocks = blocks_of(&spec, &chosen, arm);
@@ -62,7 +66,7 @@ impl Study {
                     cases.push(Case {
                         arm: arm.id.clone(),
                         block,
-                        axes: axes.iter().map(|axis| (axis.name.clone(), axis.number)).collect(),
+                        axes: axes.iter().map(|axis| (axis.name.to_string(), axis.number)).collect(),
                         scene: SceneSpec { seed: block, ..scene.clone() },
                     });
                 }
@@ -90,33 +94,64 @@ fn profile_of(spec: &StudySpec, profile: Option<&str>) -> Result<ProfileSpec, Sp
         None => Ok(spec.profile.get(DEFAULT_PROFILE).cloned().unwrap_or_default()),
         Some(name) => spec.profile.get(name).cloned().ok_or_else(|| {
             let known: Vec<_> = spec.profile.keys().map(String::as_str).collect();
-            let message = format!("is not in the study; it has: {}", known.join(", "));
+            let known = if known.is_empty() { "none".into() } else { known.join(", ") };
+            let message = format!("is not in the study; it has: {known}");
             SpecError::value(format!("profile `{name}`"), message)
         }),
     }
 }
 
-/// Counts the cases before any is made.
+/// Counts the cases, and the values in their scenes, before any is made.
 fn check_count(spec: &StudySpec, profile: &ProfileSpec) -> Result<(), SpecError> {
     let points = spec.sweep.iter().fold(1_u64, |n, axis| n.saturating_mul(axis.values.len() as u64));
-    let blocks = spec
-        .arm
-        .iter()
-        .filter(|arm| runs(profile, arm))
-        .fold(0_u64, |sum, arm| sum.saturating_add(blocks_of(spec, profile, arm).count));
-    let cases = points.saturating_mul(blocks);
-    if cases <= MOST_CASES {
-        return Ok(());
+    let base = values_of(spec.scene.values()) + values_of(profile.set.values());
+    // Of each axis one value is set at a time.
+    let swept: u64 = spec.sweep.iter().flat_map(|axis| axis.values.iter().map(value_count).max()).sum();
+    let (mut blocks, mut values) = (0_u64, 0_u64);
+    for arm in spec.arm.iter().filter(|arm| runs(profile, arm)) {
+        let count = blocks_of(spec, profile, arm).count;
+        let checked = checked_by(spec, arm).map_or(0, |arm| values_of(own(profile, arm).map(|(_, v)| v)));
+        let own = values_of(own(profile, arm).map(|(_, value)| value));
+        blocks = blocks.saturating_add(count);
+        values = values.saturating_add(count.saturating_mul(base + swept + checked + own));
     }
-    let message = format!(
-        "{cases} cases ({points} points of the sweep, {blocks} blocks of all arms together); allowed: \
-         {MOST_CASES}; make the sweep or the blocks fewer"
-    );
+    let (cases, values) = (points.saturating_mul(blocks), points.saturating_mul(values));
+    let message = if cases > MOST_CASES {
+        format!(
+            "{cases} cases ({points} points of the sweep, {blocks} blocks of all arms together); allowed: \
+             {MOST_CASES}; make the sweep or the blocks fewer"
+        )
+    } else if values > MOST_VALUES {
+        format!(
+            "{cases} cases with {values} values in all their scenes together; allowed: {MOST_VALUES}; make the \
+             sweep, the blocks or the scene smaller"
+        )
+    } else {
+        return Ok(());
+    };
     Err(SpecError::value("`sweep`, `blocks`", message))
+}
+
+fn values_of<'a>(values: impl Iterator<Item = &'a Value>) -> u64 {
+    values.map(value_count).sum()
+}
+
+/// A value and all that are in it.
+fn value_count(value: &Value) -> u64 {
+    1 + match value {
+        Value::Table(table) => values_of(table.values()),
+        Value::Array(items) => values_of(items.iter()),
+        _ => 0,
+    }
 }
 
 fn arm_of<'a>(spec: &'a StudySpec, id: &str) -> Option<&'a ArmSpec> {
     spec.arm.iter().find(|arm| arm.id == id)
+}
+
+/// The arm that is run again, where the arm is a check.
+fn checked_by<'a>(spec: &'a StudySpec, arm: &ArmSpec) -> Option<&'a ArmSpec> {
+    arm.check.as_ref().and_then(|check| arm_of(spec, &check.of))
 }
 
 /// A check is the arm it checks but for what it changes: the lengths of steps, or the transfer.
@@ -153,42 +188,37 @@ fn blocks_of(spec: &StudySpec, profile: &ProfileSpec, arm: &ArmSpec) -> BlockSpe
 }
 
 /// One point of one axis.
-#[derive(Clone)]
-struct AxisPoint {
-    name: String,
+struct AxisPoint<'a> {
+    name: &'a str,
     /// Values by path.
-    settings: Vec<(String, Value)>,
+    settings: Vec<(&'a str, &'a Value)>,
     number: f64,
 }
 
+fn points_of(axis: &SweepSpec) -> Vec<AxisPoint<'_>> {
+    let numbers = axis.numbers.as_deref().unwrap_or_default();
+    let point = |(index, value)| AxisPoint {
+        name: &axis.name,
+        settings: settings_of(axis, value),
+        number: numbers.get(index).copied().unwrap_or_else(|| number(value)),
+    };
+    axis.values.iter().enumerate().map(point).collect()
+}
+
+fn settings_of<'a>(axis: &'a SweepSpec, value: &'a Value) -> Vec<(&'a str, &'a Value)> {
+    match (&axis.path, value) {
+        (Some(path), value) => vec![(path, value)],
+        (None, Value::Table(settings)) => {
+            settings.iter().map(|(path, value)| (path.as_str(), value)).collect()
+        }
+        (None, _) => Vec::new(),
+    }
+}
+
 /// All combinations of the axes' points, the last axis fastest; one empty combination without axes.
-fn combinations(sweep: &[SweepSpec]) -> Vec<Vec<AxisPoint>> {
-    sweep.iter().fold(vec![Vec::new()], |rows, axis| {
-        let points: Vec<AxisPoint> = axis
-            .values
-            .iter()
-            .enumerate()
-            .map(|(index, value)| AxisPoint {
-                name: axis.name.clone(),
-                settings: match (&axis.path, value.as_table()) {
-                    (Some(path), _) => vec![(path.clone(), value.clone())],
-                    (None, Some(settings)) => {
-                        settings.iter().map(|(path, value)| (path.clone(), value.clone())).collect()
-                    }
-                    (None, None) => Vec::new(),
-                },
-                number: axis
-                    .numbers
-                    .as_ref()
-                    .and_then(|n| n.get(index).copied())
-                    .unwrap_or_else(|| number(value)),
-            })
-            .collect();
-        rows.iter()
-            .flat_map(|row| {
-                points.iter().map(move |point| [row.as_slice(), std::slice::from_ref(point)].concat())
-            })
-            .collect()
+fn combinations<'a>(axes: &'a [Vec<AxisPoint<'a>>]) -> Vec<Vec<&'a AxisPoint<'a>>> {
+    axes.iter().fold(vec![Vec::new()], |rows, points| {
+        rows.iter().flat_map(|row| points.iter().map(|point| [row.as_slice(), &[point]].concat())).collect()
     })
 }
 
@@ -205,17 +235,18 @@ fn scene_of(
     spec: &StudySpec,
     profile: &ProfileSpec,
     arm: &ArmSpec,
-    axes: &[AxisPoint],
+    axes: &[&AxisPoint],
 ) -> Result<SceneSpec, SpecError> {
     let mut scene = Value::Table(spec.scene.clone());
     let place = format!("arm `{}`", arm.id);
-    let checked = arm.check.as_ref().and_then(|check| arm_of(spec, &check.of));
+    let checked = checked_by(spec, arm);
     let settings = profile
         .set
         .iter()
         .chain(checked.into_iter().flat_map(|arm| own(profile, arm)))
         .chain(own(profile, arm));
-    let swept = axes.iter().flat_map(|axis| axis.settings.iter().map(|(path, value)| (path, value)));
+    let settings = settings.map(|(path, value)| (path.as_str(), value));
+    let swept = axes.iter().flat_map(|axis| axis.settings.iter().copied());
     for (path, value) in settings.chain(swept) {
         override_path::set(&mut scene, path, value.clone())
             .map_err(|message| SpecError::value(format!("{place}, path `{path}`"), message))?;

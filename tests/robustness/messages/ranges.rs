@@ -7,7 +7,7 @@ use toml::{Table, Value};
 use super::{STUDY, hold_message, study};
 
 /// Scenes that have, together, every number a scene can have.
-const SCENES: [&str; 4] = [
+pub const SCENES: [&str; 4] = [
     r#"
 gravity = [0.0, -9.81]
 seed = 1

@@ -65,6 +65,37 @@ const TABLE: &[Refused] = &[
     refused("[numerics]\nspacing = 0.05", "numerics = 1", &["`numerics`", "`1`", "expected a table"]),
     refused(BALL, "\"ball\"", &["`body.0.region`", "\"ball\"", "expected a table"]),
     refused("spacing = 0.05", "spacing = 0.05\nkernel = 3", &["`numerics.kernel`", "a name in quotes"]),
+    refused("\"ball\"", "3", &["line 6", "`body.0.region.kind`", "`3`", "expected a name in quotes"]),
+    refused(BALL, "[]", &["line 6", "`kind` is missing"]),
+    refused(
+        BALL,
+        "[\"ball\", [0.0, 0.3], 0.25]",
+        &["line 6", "`body.0.region`", "is a list, expected a table"],
+    ),
+    refused(
+        "[numerics]\nspacing = 0.05",
+        "numerics = [0.05]",
+        &["line 2", "`numerics`", "is a list, expected a table"],
+    ),
+    refused("[numerics]\nspacing = 0.05", "numerics = []", &["line 2", "`numerics`", "expected a table"]),
+    refused("end = 0.05", "end = 0.05\nend_from = {}", &["`output.end_from`", "is empty"]),
+    refused(
+        "radius = 0.25",
+        "radius = 1e300",
+        &["`body.0.region.radius`", "is 1e300", "above 0, at most 1e6"],
+    ),
+    refused("radius = 0.25", "radius = 1e-300, angle = 1e300", &["`body.0.region.angle`"]),
+    refused("count = 50", "count = 1e300", &["`body.0.placement.count`", "`1e300`", WHOLE]),
+    refused(
+        "centre = [0.0, 0.3]",
+        "centre = [0.0, 1e-300, 0.0, 0.0, 0.0]",
+        &["`body.0.region.centre`", "[0.0, 1e-300, 0.0, ...]", "in 2D: 2 numbers"],
+    ),
+    refused(
+        "[numerics]",
+        "seed = 9223372036854775808\n[numerics]",
+        &["line 2", "too large", "9223372036854775807"],
+    ),
     // Ranges; all of them are asked of in `ranges.rs`.
     refused("[numerics]", "dimension = 4\n[numerics]", &["`dimension`", "is 4", "2 or 3"]),
     refused("[numerics]", "dimension = 1\n[numerics]", &["`dimension`", "is 1", "2 or 3"]),
@@ -109,6 +140,16 @@ const TABLE: &[Refused] = &[
         r#"{ kind = "file", path = "a.csv", filled_volume = 1.0 }"#,
         &["`body.0.region`", "`file`", "remove it"],
     ),
+    refused(
+        "count = 50 }",
+        "count = 50 }\n[[body]]\nplacement = { kind = \"file\", path = \"a.csv\" }\nvoids = { kind = \"circles\" }",
+        &["`body.1.voids`", "`file`", "remove it"],
+    ),
+    refused(
+        "spacing = 0.05",
+        "spacing = 0.05\nadvection = \"blended\"\nintegrator = { kind = \"trapezoidal\" }",
+        &["`numerics.advection`", "`blended`", "`trapezoidal`", "`interpolated`"],
+    ),
     refused("count = 50", "count = 20000001", &["`body.0.placement.count`", "20000001", "1 to 2e7"]),
     refused("[0.0, 1.0]", "[0.0, 0.0]", &["`collider.0.shape.normal`", "[0.0, 0.0]", "not zero"]),
     refused(
@@ -150,14 +191,25 @@ const TABLE: &[Refused] = &[
     ),
     // What is not TOML.
     refused("[numerics]", "[numerics", &["line 2", "unclosed"]),
-    refused("spacing = 0.05", "spacing = 0.05\nspacing = 0.05", &["line 4", "duplicate key"]),
+    refused("spacing = 0.05", "spacing = 0.05\nspacing = 0.05", &["line 4", "duplicate key", "remove one"]),
     refused("spacing = 0.05", "spacing = 0,05", &["line 3"]),
 ];
 
 #[test]
 fn a_long_value_does_not_make_a_long_message() {
     let text = SCENE.replace("spacing = 0.05", &format!("spacing = \"{}\"", "0".repeat(1_000_000)));
-    hold_message(&scene(&text).unwrap_err().to_string(), "a long text", &["`numerics.spacing`", "is string"]);
+    let message = scene(&text).unwrap_err().to_string();
+    hold_message(&message, "a long text", &["`numerics.spacing`", "is string", NUMBER]);
+    let text = SCENE.replace("spacing = 0.05", &format!("spacing = \"{}\"", "0 ".repeat(1_000_000)));
+    let message = scene(&text).unwrap_err().to_string();
+    hold_message(&message, "many words", &["`numerics.spacing`", "is string", NUMBER]);
+    let text = SCENE.replace("spacing = 0.05", &format!("{} = 0.05", "spacing".repeat(1000)));
+    let message = scene(&text).unwrap_err().to_string();
+    hold_message(
+        &message,
+        "a long key",
+        &["`numerics.spacing", "unknown key", "`spacing`, `kernel`", "`max_steps`"],
+    );
 }
 
 #[test]
@@ -198,7 +250,30 @@ fn regions_may_be_nested_but_not_without_end() {
     };
     scene(&nested(3)).expect("three levels are fine");
     hold_message(&scene(&nested(33)).unwrap_err().to_string(), "33 levels", &["`body.0`", "32 levels"]);
-    hold_message(&scene(&nested(5000)).unwrap_err().to_string(), "5000 levels", &["line 6", "recur"]);
+    let deep = ["line 6", "nested too deep", "fewer levels"];
+    hold_message(&scene(&nested(5000)).unwrap_err().to_string(), "5000 levels", &deep);
+    let key = format!("{}a = 1\n{SCENE}", "a.".repeat(5000));
+    hold_message(&scene(&key).unwrap_err().to_string(), "a key of 5000 parts", &deep[1..]);
+}
+
+/// What f64 holds and f32 does not.
+#[test]
+fn what_is_too_large_for_the_precision_is_refused() {
+    let text = SCENE.replace("spacing = 0.05", "spacing = 0.05\nprecision = \"f32\"");
+    let text = text.replace("count = 50 }", "count = 50 }\nmaterial = { kind = \"elastic\", young = 1e40 }");
+    let message = assemble::<f32, 2>(&spec::parse(&text).unwrap(), Path::new(".")).unwrap_err().to_string();
+    hold_message(
+        &message,
+        "E = 1e40 in f32",
+        &["shear modulus mu is inf", "finite and > 0", "stiffness", "`numerics.precision`"],
+    );
+}
+
+/// The squares of its components are 0: it has a direction all the same.
+#[test]
+fn a_short_normal_has_a_direction() {
+    scene(&SCENE.replace("normal = [0.0, 1.0]", "normal = [1e-200, -1e-200]")).unwrap();
+    scene(&SCENE.replace("normal = [0.0, 1.0]", "normal = [5e-324, 0.0]")).unwrap();
 }
 
 /// Each of these would go on for years.

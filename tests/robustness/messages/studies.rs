@@ -6,15 +6,22 @@ use snowlab_study::sweep::Study;
 
 use super::{Refused, STUDY, hold, hold_message, refused, study};
 
-const NAME: &str = "1 to 64 of the characters";
-const ARMS: &str = "the study has: one, two";
-const END: &str = "[[arm]]\nid = \"two\"\n";
+pub const NAME: &str = "1 to 64 of the characters";
+pub const ARMS: &str = "the study has: one, two";
+pub const END: &str = "[[arm]]\nid = \"two\"\n";
 
 const TABLE: &[Refused] = &[
     // Names, some of which become files and folders.
     refused("\"tiny\"", "\"a/b\"", &["`name`", "\"a/b\"", NAME]),
     refused("\"tiny\"", "\"..\"", &["`name`", "\"..\"", "no dot first"]),
     refused("\"tiny\"", "\"\"", &["`name`", NAME]),
+    refused("\"tiny\"", "\"../x\"", &["`name`", "\"../x\"", NAME]),
+    refused("\"tiny\"", "\"/etc/x\"", &["`name`", "\"/etc/x\"", NAME]),
+    refused("\"tiny\"", "\".\"", &["`name`", "\".\"", NAME]),
+    refused("\"tiny\"", "\"con\\u0000\"", &["`name`", "\"con\\0\"", NAME]),
+    refused("\"tiny\"", "\"a\\u001b[2J\"", &["`name`", "\"a\\u{1b}[2J\"", NAME]),
+    refused("\"tiny\"", "\"a\\\\b\"", &["`name`", "\"a\\b\"", NAME]),
+    refused("\"tiny\"", "\"~\"", &["`name`", "\"~\"", NAME]),
     refused("\"tiny\"", "\"Tiny\"", &["`name`", "\"Tiny\"", NAME]),
     refused(
         "\"tiny\"",
@@ -27,6 +34,7 @@ const TABLE: &[Refused] = &[
         "[[arm]]\nid = \"two\"\npicture = \"../figure\"\n",
         &["`arm.1.picture`", "\"../figure\"", NAME],
     ),
+    refused("\"two\"", "\"/etc/x\"", &["`arm.1.id`", "\"/etc/x\"", NAME]),
     // Keys.
     refused(
         "question =",
@@ -40,7 +48,27 @@ const TABLE: &[Refused] = &[
     // Arms.
     refused("\"two\"", "\"one\"", &["`arm.1.id`", "\"one\"", "stands twice", "its own id"]),
     refused("[[arm]]\nid = \"one\"\n[[arm]]\nid = \"two\"\n", "[profile]\n", &["`arm` is missing"]),
-    // Checks.
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ntrade = { reference = \"three\", family = \"f\" }\n",
+        &["`arm.1.trade.reference`", "\"three\"", ARMS],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ntrade = { reference = \"two\", family = \"f\" }\n",
+        &["`arm.1.trade.reference`", "is \"two\"", "the arm itself", "name the one whose results"],
+    ),
+    // Checks, which may not go in circles.
+    refused(
+        "[[arm]]\nid = \"one\"\n[[arm]]\nid = \"two\"\n",
+        "[[arm]]\nid = \"one\"\ncheck = { of = \"two\", by = \"half-step\" }\n[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"half-step\" }\n",
+        &["`arm.0.check`", "is of \"two\"", "a check itself", "name the arm that is checked"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"half-step\" }\n[[arm]]\nid = \"three\"\ncheck = { of = \"one\", by = \"half-step\" }\n",
+        &["`arm.2.check`", "is of \"one\"", "checks already", "remove one"],
+    ),
     refused(
         END,
         "[[arm]]\nid = \"two\"\ncheck = { of = \"three\", by = \"half-step\" }\n",
@@ -126,183 +154,12 @@ const TABLE: &[Refused] = &[
         &["arm `two`", "`body.0.material.poisson`", "is 0.5", "below 0.5"],
     ),
     refused(END, "[[arm]]\nid = \"two\"\nset = { seed = 4 }\n", &["`arm.1.set`", "`seed`", "`blocks.first`"]),
-    // Sweeps.
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"h\"\npath = \"numerics.spacing\"\nvalues = []\n",
-        &["`sweep.0.values`", "is empty", "one value or more"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"h\"\npath = \"numerics.spacing\"\nvalues = [0.1]\nnumbers = [1.0, 2.0]\n",
-        &["`sweep.0.numbers`", "2 entries", "1 values"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"h\"\npath = \"numerics.spacing\"\nvalues = [0.1]\nnumbers = [nan]\n",
-        &["`sweep.0.numbers`", "NaN", "finite"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"kernel\"\npath = \"numerics.kernel\"\nvalues = [\"cubic\"]\n",
-        &["`sweep.0.values`", "not numbers", "give `numbers`"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"porosity\"\npath = \"body.0.phase_shift\"\nvalues = [0.1]\n",
-        &["`sweep.0.name`", "\"porosity\"", "another name"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"a b\"\npath = \"body.0.phase_shift\"\nvalues = [0.1]\n",
-        &["`sweep.0.name`", "\"a b\"", NAME],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"a\"\npath = \"body.0.phase_shift\"\nvalues = [0.1]\n[[sweep]]\nname = \"a\"\npath = \"body.0.stiffness_scale\"\nvalues = [0.1]\n",
-        &["`sweep.1.name`", "\"a\""],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"a\"\npath = \"body.0.phase_shift\"\nvalues = [0.1]\n[[sweep]]\nname = \"b\"\npath = \"body.0.phase_shift\"\nvalues = [0.1]\n",
-        &["`sweep.1.path`", "\"body.0.phase_shift\"", "another axis"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"a\"\npath = \"seed\"\nvalues = [1, 2]\n",
-        &["`sweep.0.path`", "`seed`", "`blocks.first`"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"h\"\npath = \"numerics.spacing\"\nvalues = [0.1, -0.1]\n",
-        &["arm `one`", "`numerics.spacing`", "is -0.1"],
-    ),
     // Too much.
     refused("count = 2\n", "count = 1000000000\n", &["2000000000 cases", "1000000", "fewer"]),
-    // Claims and what they need.
     refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { paired = { treated = \"one\", control = \"three\" } }\n",
-        &["`claim.0.contrast`", "\"three\"", ARMS],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[control]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { paired = { treated = \"one\", control = \"one\" } }\n",
-        &["`control.0.contrast`", "each named once"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { range = { arms = [\"one\"] } }\n",
-        &["`claim.0.contrast`", "two or more arms"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { trend = { arms = [{ arm = \"one\", particles = 5 }, { arm = \"two\", particles = 5 }] } }\n",
-        &["`claim.0.contrast`", "[5.0, 5.0]", "two of them different"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { weighted = { weights = { one = 1.0, two = 1.0 } } }\n",
-        &["`claim.0.contrast`", "sum to 2", "cancel"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { pared = { treated = \"one\", control = \"two\" } }\n",
-        &["`claim.0.contrast.pared`", "unknown name", "`paired`"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { paired = 1 }\n",
-        &["`claim.0.contrast.paired`", "`1`", "expected a table"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { paired = { treated = \"one\", control = \"two\" }, range = { arms = [] } }\n",
-        &["`claim.0.contrast`", "several keys", "give it one"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = \"paired\"\n",
-        &["`claim.0.contrast`"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { paired = { treated = \"one\" } }\n",
-        &["`claim.0.contrast.paired`", "`control` is missing"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"h\"\npath = \"numerics.spacing\"\nvalues = [0.1, 0.2]\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { range = { arms = [\"one\", \"two\"] } }\n",
-        &["`claim.0.contrast`", "sweep", "leave out"],
-    ),
-    refused("name =", "noise_floor = [\"elastic\"]\nname =", &["`noise_floor`", "\"elastic\"", ARMS]),
-    // Expectations.
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[expect]]\nmetric = \"digest\"\nrange = [0.0, 1.0]\nwhy = \"w\"\n",
-        &["`expect.0.metric`", "\"digest\"", "a numeric column of `cases.csv`"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[expect]]\nmetric = \"damage\"\nrange = [1.0, 0.0]\nwhy = \"w\"\n",
-        &["`expect.0.range`", "[1.0, 0.0]", "least first"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[expect]]\nmetric = \"damage\"\nrange = [nan, 0.0]\nwhy = \"w\"\n",
-        &["`expect.0.range`", "NaN", "least first"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[expect]]\nmetric = \"damage\"\nrange = [0.0]\nwhy = \"w\"\n",
-        &["`expect.0.range`", "length 1", "length 2"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[expect]]\nmetric = \"damage\"\narms = [\"three\"]\nrange = [0.0, 1.0]\nwhy = \"w\"\n",
-        &["`expect.0.arms`", "\"three\"", ARMS],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[expect]]\nmetric = \"damage\"\nprofiles = [\"fast\"]\nrange = [0.0, 1.0]\nwhy = \"w\"\n",
-        &["`expect.0.profiles`", "\"fast\"", "the study has: default"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[[expect]]\nmetric = \"damage\"\nstatistic = \"mode\"\nrange = [0.0, 1.0]\nwhy = \"w\"\n",
-        &["`expect.0.statistic`", "`mode`", "`each`, `mean`, `median`"],
-    ),
-    // Profiles, whether they are chosen or not.
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[profile.cases]\n",
-        &["`profile.cases`", "cases, figures", "another"],
-    ),
-    refused(END, "[[arm]]\nid = \"two\"\n[profile.\"../x\"]\n", &["`profile.../x`", "\"../x\"", NAME]),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[profile.quick]\narms = [\"three\"]\n",
-        &["`profile.quick.arms`", "\"three\"", ARMS],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[profile.quick]\narms = []\n",
-        &["`profile.quick.arms`", "is empty"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[profile.quick.arm_set.three]\n\"numerics.spacing\" = 0.1\n",
-        &["`profile.quick.arm_set`", "\"three\"", ARMS],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[profile.quick.set]\nseed = 1\n",
-        &["`profile.quick.set`", "`seed`", "`blocks.first`"],
-    ),
-    refused(
-        END,
-        "[[arm]]\nid = \"two\"\n[profile.quick]\nblock = 1\n",
-        &["`profile.quick.block`", "unknown key", "`blocks`"],
+        "count = 2\n",
+        "count = 400000\n",
+        &["800000 cases with", "values in all their scenes", "10000000", "smaller"],
     ),
 ];
 
@@ -316,6 +173,39 @@ fn a_profile_that_is_not_there_is_named_with_those_that_are() {
     let spec: StudySpec = spec::parse(&format!("{STUDY}[profile.quick]\n[profile.slow]\n")).unwrap();
     let message = Study::expand(spec, Some("fast")).unwrap_err().to_string();
     hold_message(&message, "fast", &["profile `fast`", "quick, slow"]);
+    let message = Study::expand(spec::parse(STUDY).unwrap(), Some("fast")).unwrap_err().to_string();
+    hold_message(&message, "fast", &["profile `fast`", "it has: none"]);
+}
+
+#[test]
+fn arms_and_axes_have_their_limits() {
+    let lines = |count: usize, line: &dyn Fn(usize) -> String| (0..count).map(line).collect::<String>();
+    let none = STUDY.replace("[[arm]]\nid = \"one\"\n[[arm]]\nid = \"two\"\n", "");
+    hold_message(
+        &study(&format!("arm = []\n{none}")).unwrap_err().to_string(),
+        "no arm",
+        &["line 1, `arm`", "is empty", "one [[arm]] or more"],
+    );
+    let arms = lines(1001, &|k| format!("[[arm]]\nid = \"a-{k}\"\n"));
+    let message = study(&format!("{none}{arms}")).unwrap_err().to_string();
+    hold_message(&message, "arms", &["`arm`", "1001 entries", "1 to 1000 [[arm]]", "two studies"]);
+    let axes =
+        lines(21, &|k| format!("[[sweep]]\nname = \"a-{k}\"\npath = \"numerics.spacing\"\nvalues = [0.1]\n"));
+    let message = study(&format!("{STUDY}{axes}")).unwrap_err().to_string();
+    hold_message(&message, "axes", &["`sweep`", "21 axes", "allowed: 20", "leave some out"]);
+}
+
+/// Each of these took more time than there is, before it was refused or read.
+#[test]
+fn a_crowd_that_names_one_another_is_read_soon() {
+    let names = vec!["\"three\""; 500_000].join(", ");
+    let message = study(&format!("noise_floor = [{names}]\n{STUDY}")).unwrap_err().to_string();
+    hold_message(&message, "a long list of arms", &["line 1, `noise_floor`", "\"three\"", ARMS]);
+    let arms: Vec<String> = (0..20_000)
+        .map(|k| format!("[[arm]]\nid = \"a-{k}\"\ncheck = {{ of = \"one\", by = \"half-step\" }}\n"))
+        .collect();
+    let message = study(&format!("{STUDY}{}", arms.concat())).unwrap_err().to_string();
+    hold_message(&message, "many arms", &["`arm`", "20002 entries"]);
 }
 
 /// A thousand million cases, by three axes of a thousand values: refused before any is made.

@@ -90,7 +90,10 @@ pub fn assemble<T: Real, const D: usize>(
     let origin = local_origin(&particles, spec.numerics.spacing);
     check_reach(&particles, &origin, &spec.numerics)?;
     let scene = scene::<T, D>(spec, &origin)?;
-    let refused = |error: snowlab_solver::SceneError| SpecError::value("scene", error.to_string());
+    let refused = |error: snowlab_solver::SceneError| {
+        let advice = "check the bodies' sizes, densities and stiffness, and `numerics.precision`";
+        SpecError::value("scene", format!("{error}; {advice}"))
+    };
     let mut state = State::at_rest(&scene, origin, &particles).map_err(refused)?;
     if spec.numerics.rest_volume == RestVolumeName::Density {
         state.assign_density_volumes(&scene);
@@ -131,7 +134,7 @@ pub fn time_unit(output: &OutputSpec, crossing_time: f64) -> Result<f64, SpecErr
         TimeUnit::Second => Ok(1.0),
         TimeUnit::Crossing if crossing_time.is_finite() => Ok(crossing_time),
         TimeUnit::Crossing => Err(SpecError::value(
-            "output.time_unit",
+            "`output.time_unit`",
             "is `crossing`, but the first body does not move; use `second`",
         )),
     }

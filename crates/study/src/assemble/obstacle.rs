@@ -54,7 +54,8 @@ pub(super) fn half_space<T: Real, const D: usize>(
     normal: Vector<f64, D>,
     spacing: f64,
 ) -> Shape<T, D> {
-    let normal = normal.normalize();
+    // Times a power of two, which leaves all bits: the squares of very small components are nothing.
+    let normal = normal.map(|component| libm::scalbn(component, -libm::ilogb(normal.amax()))).normalize();
     let mut local = point.map(T::of);
     if let Some(axis) = (0..D).find(|&k| normal[k].abs() == 1.0) {
         let row = (point[axis] / spacing).round();

@@ -4,7 +4,7 @@
 //! is a number there is no header, and the columns are x y or x y z. Blank lines and lines that begin with `#` are
 //! passed over.
 
-use std::io::{self, Read, Write};
+use std::io::{self, BufRead, Read, Write};
 use std::path::Path;
 
 use ::csv::{ErrorKind, ReaderBuilder, StringRecord, Trim};
@@ -14,8 +14,8 @@ use super::lines::{LONGEST_LINE, Lines, shown};
 use super::{PointCloud, PointsError, format_error};
 
 /// Reads all points.
-pub fn read(path: &Path) -> Result<Table, PointsError> {
-    let Some(text) = Text::open(path)? else {
+pub fn read(path: &Path, source: impl BufRead) -> Result<Table, PointsError> {
+    let Some(text) = Text::begin(path, source)? else {
         let message = "the file is empty; give it a header such as x,y,z and one point per line";
         return Err(format_error(path, 0, message));
     };
@@ -91,8 +91,8 @@ fn of_csv(path: &Path, error: ::csv::Error) -> PointsError {
 
 /// The text of a file, handed to the CSV reader a line at a time, so that the line of a record is known and a quote
 /// left open cannot swallow the file.
-struct Text {
-    lines: Lines,
+struct Text<'a> {
+    lines: Lines<'a>,
     separator: char,
     /// The line on hand, and how much of it has been handed on.
     line: String,
@@ -102,10 +102,10 @@ struct Text {
     record_bytes: usize,
 }
 
-impl Text {
+impl<'a> Text<'a> {
     /// `None` where the file has no line to read.
-    fn open(path: &Path) -> Result<Option<Self>, PointsError> {
-        let (lines, line) = (Lines::open(path)?, String::new());
+    fn begin(path: &Path, source: impl BufRead + 'a) -> Result<Option<Self>, PointsError> {
+        let (lines, line) = (Lines::new(path, source), String::new());
         let mut text = Self { lines, separator: ',', line, sent: 0, first_line: 0, record_bytes: 0 };
         if !text.next_line()? {
             return Ok(None);
@@ -151,7 +151,7 @@ impl Text {
     }
 }
 
-impl Read for Text {
+impl Read for Text<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         if self.sent == self.line.len() && !self.next_line().map_err(io::Error::other)? {
             return Ok(0);

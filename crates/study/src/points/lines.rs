@@ -1,7 +1,6 @@
 //! Lines of text from a file that may hold anything.
 
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
 
 use super::{PointsError, format_error};
@@ -10,24 +9,20 @@ use super::{PointsError, format_error};
 pub const LONGEST_LINE: usize = 1 << 20;
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// A text file read line by line, with the number of the line, in bounded memory.
-pub struct Lines {
+/// A text read line by line, with the number of the line, in bounded memory.
+pub struct Lines<'a> {
     path: PathBuf,
     /// What has not been read yet; after a header, the data behind it.
-    pub rest: BufReader<File>,
+    pub rest: Box<dyn BufRead + 'a>,
     /// The number of the last line read, from 1.
     pub line: u64,
     bytes: Vec<u8>,
 }
 
-impl Lines {
-    pub fn open(path: &Path) -> Result<Self, PointsError> {
-        match File::open(path) {
-            Ok(file) => {
-                Ok(Self { path: path.into(), rest: BufReader::new(file), line: 0, bytes: Vec::new() })
-            }
-            Err(reason) => Err(PointsError::Io { path: path.into(), reason }),
-        }
+impl<'a> Lines<'a> {
+    /// The lines of `source`, which errors call `path`.
+    pub fn new(path: &Path, source: impl BufRead + 'a) -> Self {
+        Self { path: path.into(), rest: Box::new(source), line: 0, bytes: Vec::new() }
     }
 
     /// The next line that is not blank, without its end; `None` at the end of the file.

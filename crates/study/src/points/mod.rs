@@ -19,7 +19,7 @@ mod ply;
 mod ply_header;
 
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use snowlab_solver::{Matrix, Vector};
@@ -91,7 +91,18 @@ pub fn read<const D: usize>(path: &Path) -> Result<PointCloud<D>, PointsError> {
 /// # Errors
 /// [`PointsError`], naming file and line or vertex.
 pub fn read_any(path: &Path) -> Result<AnyPointCloud, PointsError> {
-    let table = read_table(path)?;
+    any(path, read_table(path)?)
+}
+
+/// What [`read_any`] reads, from a source that is not a file; `path` tells its format, and errors name it.
+///
+/// # Errors
+/// [`PointsError`], naming path and line or vertex.
+pub fn read_any_from(path: &Path, source: impl BufRead) -> Result<AnyPointCloud, PointsError> {
+    any(path, Format::of(path)?.read(path, source)?)
+}
+
+fn any(path: &Path, table: Table) -> Result<AnyPointCloud, PointsError> {
     let refused = |(line, message)| format_error(path, line, message);
     Ok(match table.dimension() {
         2 => AnyPointCloud::Two(table.into_cloud().map_err(refused)?),
@@ -126,10 +137,9 @@ pub fn write<const D: usize>(path: &Path, positions: &[Vector<f64, D>]) -> Resul
 /// back), a mass, volume or J_P is not positive, or there is not one of each quantity per position.
 pub fn write_cloud<const D: usize>(path: &Path, cloud: &PointCloud<D>) -> Result<(), PointsError> {
     const { assert!(D == 2 || D == 3) };
-    let form = match extension(path).as_str() {
-        "csv" => csv::write::<D>,
-        "ply" => ply::write::<D>,
-        other => return Err(unknown(path, other)),
+    let form = match Format::of(path)? {
+        Format::Csv => csv::write::<D>,
+        Format::Ply => ply::write::<D>,
     };
     cloud.check().map_err(|message| format_error(path, 0, message))?;
     let save = || -> std::io::Result<()> {
@@ -140,16 +150,35 @@ pub fn write_cloud<const D: usize>(path: &Path, cloud: &PointCloud<D>) -> Result
     save().map_err(|reason| PointsError::Io { path: path.into(), reason })
 }
 
-fn read_table(path: &Path) -> Result<Table, PointsError> {
-    match extension(path).as_str() {
-        "csv" => csv::read(path),
-        "ply" => ply::read(path),
-        other => Err(unknown(path, other)),
+/// A format, told by the ending of a file's name.
+#[derive(Clone, Copy)]
+enum Format {
+    Csv,
+    Ply,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Self, PointsError> {
+        match path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default().as_str()
+        {
+            "csv" => Ok(Self::Csv),
+            "ply" => Ok(Self::Ply),
+            other => Err(unknown(path, other)),
+        }
+    }
+
+    fn read(self, path: &Path, source: impl BufRead) -> Result<Table, PointsError> {
+        match self {
+            Self::Csv => csv::read(path, source),
+            Self::Ply => ply::read(path, source),
+        }
     }
 }
 
-fn extension(path: &Path) -> String {
-    path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+fn read_table(path: &Path) -> Result<Table, PointsError> {
+    let format = Format::of(path)?;
+    let file = File::open(path).map_err(|reason| PointsError::Io { path: path.into(), reason })?;
+    format.read(path, BufReader::new(file))
 }
 
 fn unknown(path: &Path, extension: &str) -> PointsError {

@@ -12,8 +12,8 @@ use super::{PointCloud, PointsError, format_error};
 const VERTEX: &str = "vertex";
 
 /// Reads all points.
-pub fn read(path: &Path) -> Result<Table, PointsError> {
-    let mut lines = Lines::open(path)?;
+pub fn read(path: &Path, source: impl BufRead) -> Result<Table, PointsError> {
+    let mut lines = Lines::new(path, source);
     let header = ply_header::read(&mut lines)?;
     let columns = columns_of(&header).map_err(|message| format_error(path, 0, message))?;
     let mut table = Table::new(columns);

@@ -16,6 +16,7 @@ use std::fmt::Display;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 use toml::Value;
@@ -44,7 +45,10 @@ pub enum SpecError {
 impl SpecError {
     /// A value at `place` that means nothing.
     pub fn value(place: impl Into<String>, message: impl Into<String>) -> Self {
-        SpecError::Value { place: brief(place.into()), message: brief(message.into()) }
+        SpecError::Value {
+            place: brief(&place.into(), MOST_OF_PLACE),
+            message: brief(&message.into(), MOST_OF_MESSAGE),
+        }
     }
 
     /// The same error with `place` before its own place.
@@ -62,22 +66,37 @@ impl SpecError {
     }
 }
 
-/// Characters of a place or a message that are shown (chosen: room for the keys of the largest table).
-const MOST_SHOWN: usize = 400;
+/// Bytes of a place that are shown (chosen: room for the deepest key).
+const MOST_OF_PLACE: usize = 110;
+/// Bytes of a message that are shown (chosen: room for the keys of the largest table).
+const MOST_OF_MESSAGE: usize = 370;
 
-/// A text that a long value has not made unreadable.
-fn brief(text: String) -> String {
-    match text.char_indices().nth(MOST_SHOWN) {
-        Some((end, _)) => format!("{}...", &text[..end]),
-        None => text,
+/// Bytes of a single word that are shown (chosen: the longest key has 22).
+const MOST_OF_WORD: usize = 60;
+
+/// A text that long values have not made unreadable, without what a terminal would obey.
+pub(crate) fn brief(text: &str, most: usize) -> String {
+    let (mut shown, mut word) = (String::new(), 0);
+    for character in text.chars() {
+        if shown.len() >= most {
+            return shown + "...";
+        }
+        word = if character == ' ' { 0 } else { word + character.len_utf8() };
+        match character {
+            _ if word > MOST_OF_WORD + character.len_utf8() => {}
+            _ if word > MOST_OF_WORD => shown.push_str("..."),
+            '"' | '\'' | '\\' => shown.push(character),
+            other => shown.extend(other.escape_debug()),
+        }
     }
+    shown
 }
 
 /// Files longer than this are refused (chosen: a thousand times the largest study of the project).
 const MOST_BYTES: u64 = 16 << 20;
 
 /// What a file can hold.
-pub trait Spec: DeserializeOwned {
+pub trait Spec: Serialize + DeserializeOwned {
     /// Refuses values that no case can have.
     ///
     /// # Errors
@@ -119,11 +138,12 @@ pub fn parse<S: Spec>(text: &str) -> Result<S, SpecError> {
         SpecError::value(line_of(text, &error), refusal::in_plain_words(error.message()))
     };
     let document: toml::Table = toml::from_str(text).map_err(syntax)?;
-    let spec = refusal::parse::<S>(&Value::Table(document), text.len()).map_err(|(key, message)| {
-        // The text's own error tells the line, where it is the same one.
+    let spec = refusal::parse::<S>(&Value::Table(document), || text.len()).map_err(|(key, message)| {
+        // The text's own error tells the line, where it is the same one; else that of the key.
         let own = toml::from_str::<S>(text).err();
         let same = own.filter(|error| refusal::in_plain_words(error.message()) == message);
-        let places = [same.map(|error| line_of(text, &error)), named(&key)];
+        let of_key = || Some(format!("line {}", place::line_of_key(text, &format!("`{key}`"))?));
+        let places = [same.map(|error| line_of(text, &error)).or_else(of_key), named(&key)];
         SpecError::value(places.into_iter().flatten().collect::<Vec<_>>().join(", "), message)
     })?;
     spec.validate().map_err(|error| match &error {
@@ -141,10 +161,9 @@ pub fn parse<S: Spec>(text: &str) -> Result<S, SpecError> {
 /// # Errors
 /// [`SpecError::Value`], naming the key.
 pub fn scene_of(document: &Value) -> Result<SceneSpec, SpecError> {
-    let bytes = document.to_string().len();
     let refused =
         |(key, message): (String, String)| SpecError::value(named(&key).unwrap_or("scene".into()), message);
-    let scene = refusal::parse::<SceneSpec>(document, bytes).map_err(refused)?;
+    let scene = refusal::parse::<SceneSpec>(document, || document.to_string().len()).map_err(refused)?;
     scene.validate()?;
     Ok(scene)
 }

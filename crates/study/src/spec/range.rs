@@ -77,3 +77,14 @@ impl fmt::Display for Number {
         if self.0.abs() >= 1e5 { write!(f, "{:e}", self.0) } else { write!(f, "{}", self.0) }
     }
 }
+
+/// A value with few digits: very large and very small ones by powers of ten.
+pub struct Shown(pub f64);
+
+impl fmt::Display for Shown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = self.0.abs();
+        let usual = size == 0.0 || (1e-9..1e16).contains(&size) || !size.is_finite();
+        if usual { write!(f, "{}", self.0) } else { write!(f, "{:e}", self.0) }
+    }
+}

@@ -3,8 +3,11 @@
 use snowlab_sampler::MOST_PARTICLES;
 use toml::Value;
 
-use super::range::{NOT_NEGATIVE, POSITIVE, Range, at_least, within};
-use super::scene::{BodySpec, EndFrom, MaterialSpec, OutputSpec, PlacementSpec, SolidSpec, TimeUnit};
+use super::range::{NOT_NEGATIVE, POSITIVE, Range, Shown, at_least, within};
+use super::scene::{
+    AdvectionName, BodySpec, EndFrom, IntegratorSpec, MaterialSpec, NumericsSpec, OutputSpec, PlacementSpec,
+    SolidSpec, TimeUnit,
+};
 use super::{SceneSpec, Spec, SpecError};
 
 /// Lengths up to 1e6 m, as the sampler takes them.
@@ -129,7 +132,7 @@ impl Spec for SceneSpec {
         }
         for (number, collider) in self.collider.iter().enumerate() {
             if let SolidSpec::HalfSpace { normal, .. } = &collider.shape
-                && normal.iter().map(|component| component * component).sum::<f64>() == 0.0
+                && normal.iter().all(|component| *component == 0.0)
             {
                 let place = format!("`collider.{number}.shape.normal`");
                 return Err(SpecError::value(
@@ -138,6 +141,7 @@ impl Spec for SceneSpec {
                 ));
             }
         }
+        check_advection(&self.numerics)?;
         check_output(&self.output, self)
     }
 }
@@ -191,15 +195,23 @@ fn check_rule(
     if left_out || numbers.len() == wanted && numbers.iter().all(inside) {
         return Ok(());
     }
-    let shown: Vec<String> = numbers.iter().map(Value::to_string).collect();
+    // One more than there may be tells a list that is too long.
+    let shown: Vec<String> = numbers.iter().take(wanted + 1).map(shown).collect();
     let message = if value.is_array() {
         let plural = if wanted == 1 { "number" } else { "numbers, each" };
-        let shown = shown.join(", ");
+        let more = if numbers.len() > shown.len() { ", ..." } else { "" };
+        let shown = shown.join(", ") + more;
         format!("is [{shown}]; allowed in {dimension}D: {wanted} {plural} {}", rule.range)
     } else {
         format!("is {}; allowed: {}", shown.concat(), rule.range)
     };
     Err(SpecError::value(format!("`{path}`"), message))
+}
+
+fn shown(number: &Value) -> String {
+    // chosen: as many digits as a number of f64 needs.
+    let long = Some(number.to_string()).filter(|text| text.len() > 24).and(number.as_float());
+    long.map_or(number.to_string(), |number| Shown(number).to_string())
 }
 
 fn check_body(body: &BodySpec, number: usize) -> Result<(), SpecError> {
@@ -228,12 +240,22 @@ fn check_body(body: &BodySpec, number: usize) -> Result<(), SpecError> {
     Ok(())
 }
 
+fn check_advection(numerics: &NumericsSpec) -> Result<(), SpecError> {
+    let trapezoidal = matches!(numerics.integrator, Some(IntegratorSpec::Trapezoidal(_)));
+    if trapezoidal && numerics.advection == AdvectionName::Blended {
+        let message = "is `blended`; allowed with a `trapezoidal` integrator: `interpolated`";
+        return Err(SpecError::value("`numerics.advection`", message));
+    }
+    Ok(())
+}
+
 fn check_output(output: &OutputSpec, scene: &SceneSpec) -> Result<(), SpecError> {
     let frames = output.end / output.frame_interval;
     if frames > MOST_FRAMES {
         let message = format!(
-            "is {:?}, which makes {frames:.0} frames until the end; allowed: {MOST_FRAMES}",
-            output.frame_interval
+            "is {:?}, which makes {} frames until the end; allowed: {MOST_FRAMES}",
+            output.frame_interval,
+            Shown(frames.round())
         );
         return Err(SpecError::value("`output.frame_interval`", message));
     }

@@ -2,16 +2,19 @@
 
 use std::collections::BTreeSet;
 
-use super::range::{NOT_NEGATIVE, POSITIVE, Range, at_least, within};
-use super::study::{BlockSpec, CheckSpec, DEFAULT_PROFILE, ExpectSpec, MeasureSpec, ProfileSpec, SweepSpec};
-use super::{Spec, SpecError, StudySpec};
+use super::range::{NOT_NEGATIVE, POSITIVE, Range, Shown, at_least, within};
+use super::study::{
+    ArmSpec, BlockSpec, CheckSpec, DEFAULT_PROFILE, ExpectSpec, MeasureSpec, ProfileSpec, SweepSpec,
+};
+use super::{Spec, SpecError, StudySpec, brief};
 use crate::claims::Claim;
 use crate::store::FOLDERS;
 use crate::tables::{CASE_NUMBERS, OWN_COLUMNS};
 
 /// Every number of a study with a range, by its key; a profile's `blocks` and `measure` have the same.
 pub const RULES: &[(&str, Range)] = &[
-    ("blocks.first", NOT_NEGATIVE),
+    // chosen: with a block for every case still exact in f64, and far from the streams of the second body on (assemble/body.rs).
+    ("blocks.first", within(0.0, 1e14)),
     ("blocks.count", at_least(1.0)),
     ("arm.*.blocks", at_least(1.0)),
     ("measure.largest_spacing", within(0.0, 1e6).open_below()),
@@ -21,30 +24,64 @@ pub const RULES: &[(&str, Range)] = &[
     ("measure.settle_window", NOT_NEGATIVE),
 ];
 
+/// Arms of a study (chosen: far more than a report can show).
+pub const MOST_ARMS: usize = 1000;
+/// Axes of a sweep (chosen: with two values on each, more cases than a study may have).
+pub const MOST_AXES: usize = 20;
+/// Characters of a name (chosen: file systems take 255 with all that is added).
+const MOST_IN_NAME: usize = 64;
+/// What files of results end in; a profile's folder stands beside them.
+const ENDINGS: [&str; 2] = [".csv", ".html"];
+
+/// Ids of all arms, and of those that check another one.
+struct Ids<'a> {
+    all: BTreeSet<&'a str>,
+    checks: BTreeSet<&'a str>,
+}
+
+impl<'a> Ids<'a> {
+    fn of(arms: &'a [ArmSpec]) -> Self {
+        let ids = |arms: &mut dyn Iterator<Item = &'a ArmSpec>| arms.map(|arm| arm.id.as_str()).collect();
+        Ids { all: ids(&mut arms.iter()), checks: ids(&mut arms.iter().filter(|arm| arm.check.is_some())) }
+    }
+
+    fn check(&self, place: impl Into<String>, id: &str) -> Result<(), SpecError> {
+        if self.all.contains(id) {
+            return Ok(());
+        }
+        let known: Vec<&str> = self.all.iter().copied().collect();
+        refuse(place, format!("names the arm \"{id}\"; the study has: {}", known.join(", ")))
+    }
+}
+
 impl Spec for StudySpec {
     fn validate(&self) -> Result<(), SpecError> {
         check_name("`name`", &self.name)?;
-        self.check_arms()?;
+        let ids = &Ids::of(&self.arm);
+        self.check_arms(ids)?;
         check_blocks("blocks", &self.blocks)?;
         check_measure("measure", &self.measure)?;
         if self.scene.contains_key("seed") {
             return refuse("`scene.seed`", "is the number of the block in a study; set `blocks.first`");
         }
         self.check_sweep()?;
-        let known = |place: String, id: &str| self.check_arm(place, id);
-        self.noise_floor.iter().try_for_each(|id| known("`noise_floor`".into(), id))?;
+        self.noise_floor.iter().try_for_each(|id| ids.check("`noise_floor`", id))?;
         for (family, claims) in [("claim", &self.claim), ("control", &self.control)] {
-            claims.iter().enumerate().try_for_each(|(n, claim)| self.check_claim(family, n, claim))?;
+            claims.iter().enumerate().try_for_each(|(n, claim)| self.check_claim(ids, family, n, claim))?;
         }
-        self.expect.iter().enumerate().try_for_each(|(n, expect)| self.check_expect(n, expect))?;
-        self.profile.iter().try_for_each(|(name, profile)| self.check_profile(name, profile))
+        self.expect.iter().enumerate().try_for_each(|(n, expect)| self.check_expect(ids, n, expect))?;
+        self.profile.iter().try_for_each(|(name, profile)| self.check_profile(ids, name, profile))
     }
 }
 
 impl StudySpec {
-    fn check_arms(&self) -> Result<(), SpecError> {
+    fn check_arms(&self, ids: &Ids) -> Result<(), SpecError> {
         if self.arm.is_empty() {
             return refuse("`arm`", "is empty; a study has one [[arm]] or more");
+        }
+        if self.arm.len() > MOST_ARMS {
+            let message = format!("has {} entries; allowed: 1 to {MOST_ARMS} [[arm]]", self.arm.len());
+            return refuse("`arm`", format!("{message}; make two studies of it"));
         }
         let mut seen = BTreeSet::new();
         for (number, arm) in self.arm.iter().enumerate() {
@@ -60,24 +97,21 @@ impl StudySpec {
             self.check_seed_is_not_set(&format!("arm.{number}.set"), arm.set.keys())?;
             if let Some(check) = &arm.check {
                 let repeated = self.arm[..number].iter().any(|before| before.check.as_ref() == Some(check));
-                self.check_check(&format!("`arm.{number}.check`"), check, repeated)?;
+                check_check(ids, &format!("`arm.{number}.check`"), check, repeated)?;
             }
             if let Some(trade) = &arm.trade {
-                self.check_arm(format!("`arm.{number}.trade.reference`"), &trade.reference)?;
+                let place = format!("`arm.{number}.trade.reference`");
+                ids.check(&place, &trade.reference)?;
+                if trade.reference == arm.id {
+                    let message = format!(
+                        "is \"{}\", the arm itself; name the one whose results are the truth",
+                        arm.id
+                    );
+                    return refuse(place, message);
+                }
             }
             // It becomes the name of a file.
             arm.picture.iter().try_for_each(|name| check_name(&format!("`arm.{number}.picture`"), name))?;
-        }
-        Ok(())
-    }
-
-    fn check_check(&self, place: &str, check: &CheckSpec, repeated: bool) -> Result<(), SpecError> {
-        self.check_arm(place.into(), &check.of)?;
-        if self.arm.iter().any(|arm| arm.id == check.of && arm.check.is_some()) {
-            return refuse(place, format!("is of \"{}\", which is a check itself", check.of));
-        }
-        if repeated {
-            return refuse(place, format!("is of \"{}\" by what an arm before checks already", check.of));
         }
         Ok(())
     }
@@ -96,20 +130,16 @@ impl StudySpec {
         Ok(())
     }
 
-    fn check_arm(&self, place: String, id: &str) -> Result<(), SpecError> {
-        if self.arm.iter().any(|arm| arm.id == id) {
-            return Ok(());
-        }
-        let known: Vec<&str> = self.arm.iter().map(|arm| arm.id.as_str()).collect();
-        refuse(place, format!("names the arm \"{id}\"; the study has: {}", known.join(", ")))
-    }
-
     /// What the arm checks, if it is a check.
     pub fn check_of(&self, id: &str) -> Option<&CheckSpec> {
         self.arm.iter().find(|arm| arm.id == id).and_then(|arm| arm.check.as_ref())
     }
 
     fn check_sweep(&self) -> Result<(), SpecError> {
+        if self.sweep.len() > MOST_AXES {
+            let message = format!("has {} axes; allowed: {MOST_AXES}", self.sweep.len());
+            return refuse("`sweep`", format!("{message}; set several paths by one axis, or leave some out"));
+        }
         let mut names: BTreeSet<&str> = OWN_COLUMNS.into();
         let mut paths = BTreeSet::new();
         for (number, axis) in self.sweep.iter().enumerate() {
@@ -140,17 +170,20 @@ impl StudySpec {
                 }
             }
             if axis.labels.as_ref().is_some_and(|labels| labels.len() != axis.values.len()) {
-                return refuse(place("labels"), "must have as many entries as `values`");
+                let labels = axis.labels.iter().flatten().count();
+                let message =
+                    format!("has {labels} entries for {} values; give one for each", axis.values.len());
+                return refuse(place("labels"), message);
             }
         }
         Ok(())
     }
 
-    fn check_claim(&self, family: &str, number: usize, claim: &Claim) -> Result<(), SpecError> {
+    fn check_claim(&self, ids: &Ids, family: &str, number: usize, claim: &Claim) -> Result<(), SpecError> {
         let place = format!("`{family}.{number}.contrast`");
         claim.validate().or_else(|error| refuse(&place, error.to_string()))?;
-        claim.arms().into_iter().try_for_each(|id| self.check_arm(place.clone(), id))?;
-        if let Some(id) = claim.arms().into_iter().find(|id| self.check_of(id).is_some()) {
+        claim.arms().into_iter().try_for_each(|id| ids.check(&place, id))?;
+        if let Some(id) = claim.arms().into_iter().find(|id| ids.checks.contains(id)) {
             let message = format!("names the arm \"{id}\", which only checks another; name that one");
             return refuse(place, message);
         }
@@ -161,7 +194,7 @@ impl StudySpec {
         Ok(())
     }
 
-    fn check_expect(&self, number: usize, expect: &ExpectSpec) -> Result<(), SpecError> {
+    fn check_expect(&self, ids: &Ids, number: usize, expect: &ExpectSpec) -> Result<(), SpecError> {
         let place = |key: &str| format!("`expect.{number}.{key}`");
         let [least, greatest] = expect.range;
         if !(least <= greatest) {
@@ -169,14 +202,12 @@ impl StudySpec {
             return refuse(place("range"), message);
         }
         self.check_metric(place("metric"), &expect.metric)?;
-        expect.arms.iter().try_for_each(|id| self.check_arm(place("arms"), id))?;
+        expect.arms.iter().try_for_each(|id| ids.check(place("arms"), id))?;
         for name in &expect.profiles {
             if name != DEFAULT_PROFILE && !self.profile.contains_key(name) {
-                let known: Vec<&str> = self.profile.keys().map(String::as_str).collect();
-                let message = format!(
-                    "names the profile \"{name}\"; the study has: {DEFAULT_PROFILE}, {}",
-                    known.join(", ")
-                );
+                let known: Vec<&str> =
+                    [DEFAULT_PROFILE].into_iter().chain(self.profile.keys().map(String::as_str)).collect();
+                let message = format!("names the profile \"{name}\"; the study has: {}", known.join(", "));
                 return refuse(place("profiles"), message);
             }
         }
@@ -198,7 +229,7 @@ impl StudySpec {
         refuse(place, format!("is \"{metric}\"; allowed: a numeric column of `cases.csv`{hint}"))
     }
 
-    fn check_profile(&self, name: &str, profile: &ProfileSpec) -> Result<(), SpecError> {
+    fn check_profile(&self, ids: &Ids, name: &str, profile: &ProfileSpec) -> Result<(), SpecError> {
         let key = format!("profile.{name}");
         let place = |inner: &str| format!("`{key}.{inner}`");
         // It becomes the name of a folder beside those of the study.
@@ -207,18 +238,43 @@ impl StudySpec {
             let message = format!("has the name of a folder of results ({})", FOLDERS.join(", "));
             return refuse(format!("`{key}`"), format!("{message}; give it another"));
         }
+        if ENDINGS.iter().any(|ending| name.ends_with(ending)) {
+            let message = format!("ends as a file of results does ({})", ENDINGS.join(", "));
+            return refuse(format!("`{key}`"), format!("{message}; give it another name"));
+        }
         if profile.arms.as_ref().is_some_and(Vec::is_empty) {
             return refuse(place("arms"), "is empty; name the arms to run, or leave it out to run all");
         }
-        profile.arms.iter().flatten().try_for_each(|id| self.check_arm(place("arms"), id))?;
+        let mut seen = BTreeSet::new();
+        for id in profile.arms.iter().flatten() {
+            ids.check(place("arms"), id)?;
+            if !seen.insert(id) {
+                return refuse(place("arms"), format!("names the arm \"{id}\" twice; name each once"));
+            }
+        }
         self.check_seed_is_not_set(&format!("{key}.set"), profile.set.keys())?;
         for (id, set) in &profile.arm_set {
-            self.check_arm(place("arm_set"), id)?;
+            ids.check(place("arm_set"), id)?;
             self.check_seed_is_not_set(&format!("{key}.arm_set.{id}"), set.keys())?;
         }
         profile.blocks.iter().try_for_each(|blocks| check_blocks(&format!("{key}.blocks"), blocks))?;
         profile.measure.iter().try_for_each(|measure| check_measure(&format!("{key}.measure"), measure))
     }
+}
+
+fn check_check(ids: &Ids, place: &str, check: &CheckSpec, repeated: bool) -> Result<(), SpecError> {
+    ids.check(place, &check.of)?;
+    let of = &check.of;
+    if ids.checks.contains(of.as_str()) {
+        return refuse(
+            place,
+            format!("is of \"{of}\", which is a check itself; name the arm that is checked"),
+        );
+    }
+    if repeated {
+        return refuse(place, format!("is of \"{of}\" by what an arm before checks already; remove one"));
+    }
+    Ok(())
 }
 
 fn check_values(axis: &SweepSpec, place: impl Fn(&str) -> String) -> Result<(), SpecError> {
@@ -227,7 +283,8 @@ fn check_values(axis: &SweepSpec, place: impl Fn(&str) -> String) -> Result<(), 
     }
     match &axis.numbers {
         Some(numbers) if numbers.len() != axis.values.len() => {
-            let message = format!("has {} entries for {} values", numbers.len(), axis.values.len());
+            let message =
+                format!("has {} entries for {} values; give one for each", numbers.len(), axis.values.len());
             refuse(place("numbers"), message)
         }
         Some(numbers) if !numbers.iter().all(|number| number.is_finite()) => {
@@ -242,6 +299,7 @@ fn check_values(axis: &SweepSpec, place: impl Fn(&str) -> String) -> Result<(), 
 }
 
 fn check_blocks(key: &str, blocks: &BlockSpec) -> Result<(), SpecError> {
+    check_number(&format!("{key}.first"), "blocks.first", blocks.first as f64)?;
     check_number(&format!("{key}.count"), "blocks.count", blocks.count as f64)
 }
 
@@ -261,18 +319,24 @@ fn check_measure(key: &str, measure: &MeasureSpec) -> Result<(), SpecError> {
 fn check_number(place: &str, key: &str, value: f64) -> Result<(), SpecError> {
     match RULES.iter().find(|(known, range)| *known == key && !range.contains(value)) {
         None => Ok(()),
-        Some((_, range)) => refuse(format!("`{place}`"), format!("is {value}; allowed: {range}")),
+        Some((_, range)) => refuse(format!("`{place}`"), format!("is {}; allowed: {range}", Shown(value))),
     }
 }
 
 fn check_name(place: &str, name: &str) -> Result<(), SpecError> {
-    let plain = (1..=64).contains(&name.len())
+    let plain = (1..=MOST_IN_NAME).contains(&name.len())
         && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || "-_.".contains(c))
         && !name.starts_with('.');
     if plain {
         return Ok(());
     }
-    refuse(place, format!("is \"{name}\"; allowed: 1 to 64 of the characters a-z 0-9 - _ . and no dot first"))
+    let name = brief(name, 2 * MOST_IN_NAME);
+    refuse(
+        place,
+        format!(
+            "is \"{name}\"; allowed: 1 to {MOST_IN_NAME} of the characters a-z 0-9 - _ . and no dot first"
+        ),
+    )
 }
 
 fn refuse(place: impl Into<String>, message: impl Into<String>) -> Result<(), SpecError> {

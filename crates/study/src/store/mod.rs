@@ -85,8 +85,8 @@ pub enum StoreError {
     },
 }
 
-/// Names of folders of a study, which no profile can have.
-pub const FOLDERS: [&str; 4] = ["cases", "figures", "lock", "slurm"];
+/// Names of files and folders of a study, which no profile can have.
+pub const FOLDERS: [&str; 5] = ["cases", "figures", "lock", "manifest.json", "slurm"];
 
 /// The folders of a study's results.
 #[derive(Clone, Debug)]
