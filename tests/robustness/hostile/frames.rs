@@ -4,12 +4,13 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use snowlab_solver::Vector;
 use snowlab_study::frames::{Frame, Frames};
+use snowlab_study::store::{sign, verify};
 
 use super::memory::most_held;
 use super::{bytes, hand_over};
 
-/// The bytes of a checksum, at the end of a file.
-const CHECKSUM: usize = 32;
+/// Whose they are.
+const CASE: &str = "0123456789abcdef0123";
 /// Where the header has D, the number of frames and that of particles.
 const COUNTS: [std::ops::Range<usize>; 3] = [16..20, 20..24, 24..32];
 
@@ -28,7 +29,6 @@ fn mutated(random: &mut ChaCha8Rng) -> Vec<u8> {
     let (frames, particles) = (random.random_range(0..4), random.random_range(0..5));
     let mut file =
         if random.random() { valid::<2>(frames, particles) } else { valid::<3>(frames, particles) };
-    file.truncate(file.len() - CHECKSUM);
     match random.random_range(0..4) {
         0 => file = bytes::mutated(&file, &[], random),
         1 => {
@@ -45,28 +45,25 @@ fn mutated(random: &mut ChaCha8Rng) -> Vec<u8> {
         _ => {}
     }
     match random.random_range(0..8) {
-        0 => bytes::mutated(&file, &[], random),
-        _ => {
-            let checksum = blake3::hash(&file);
-            [&file[..], checksum.as_bytes()].concat()
-        }
+        0 => bytes::mutated(&sign(CASE, file), &[], random),
+        _ => sign(CASE, file),
     }
 }
 
 #[test]
 fn frames_are_those_of_their_bytes_or_refused() {
-    hand_over("frames", 6, |random| {
+    hand_over("frames", 3, |random| {
         let file = mutated(random);
         hold::<2>(&file) | hold::<3>(&file)
     });
 }
 
 fn hold<const D: usize>(file: &[u8]) -> bool {
-    let (read, held) = most_held(|| Frames::<D>::from_bytes(file));
+    let (read, held) = most_held(|| verify(CASE, file).and_then(Frames::<D>::from_bytes));
     assert!(held < 4096 + 16 * file.len(), "{held} bytes are held for {}", file.len());
     match read {
         Ok(frames) => {
-            assert_eq!(frames.to_bytes(), file, "the same frames have the same bytes");
+            assert_eq!(sign(CASE, frames.to_bytes()), file, "the same frames have the same bytes");
             true
         }
         Err(message) => {

@@ -172,7 +172,7 @@ const TABLE: &[Refused] = &[
     refused(
         END,
         "[[arm]]\nid = \"two\"\n[profile.cases]\n",
-        &["`profile.cases`", "cases, figures", "another"],
+        &["`profile.cases`", "cases, figures, lock, manifest.json, slurm", "another"],
     ),
     refused(END, "[[arm]]\nid = \"two\"\n[profile.\"../x\"]\n", &["`profile.../x`", "\"../x\"", NAME]),
     refused(END, "[[arm]]\nid = \"two\"\n[profile.\"/etc/x\"]\n", &["`profile./etc/x`", "\"/etc/x\"", NAME]),
