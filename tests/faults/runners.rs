@@ -1,5 +1,6 @@
 //! Runners that are killed, stopped, doubled, or told another time.
 
+use std::path::PathBuf;
 use std::process::{Child, Command, Output};
 use std::time::Duration;
 
@@ -73,18 +74,25 @@ pub fn one_of_two_killed(lab: &mut Lab, random: &mut ChaCha8Rng) -> Result<(), S
 /// A run that is told a time years away, killed, and gone on with at the right time.
 pub fn with_another_clock(lab: &mut Lab, random: &mut ChaCha8Rng) -> Result<(), String> {
     let years = random.random_range(-30..30_i32);
-    let mut command = Command::new("faketime");
-    command.args(["-f", &format!("{years:+}y"), env!("CARGO_BIN_EXE_snowlab")]);
+    let library = faketime().ok_or(format!("{SKIPPED} `faketime` is not installed"))?;
+    let mut command = lab.command(RUN);
     // Time that only grows does so whatever is done to the clock of the day.
-    command.args(RUN.split_whitespace()).env("FAKETIME_DONT_FAKE_MONOTONIC", "1");
-    command.current_dir(lab.desk.folder.path());
-    command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::null());
-    let Ok(mut run) = command.spawn() else { return Err(format!("{SKIPPED} `faketime` is not installed")) };
+    command
+        .env("LD_PRELOAD", library)
+        .env("FAKETIME", format!("{years:+}y"))
+        .env("FAKETIME_DONT_FAKE_MONOTONIC", "1");
+    let mut run = command.spawn().map_err(|error| error.to_string())?;
     wait(lab, random);
-    // The shell's child is the program itself: `faketime` becomes it.
     run.kill().map_err(|error| error.to_string())?;
     run.wait().map_err(|error| error.to_string())?;
     lab.finish()
+}
+
+/// The library that tells a program another time. Its command would stand between the program and the signals.
+fn faketime() -> Option<PathBuf> {
+    let folders = std::fs::read_dir("/usr/lib").ok()?.filter_map(|entry| Some(entry.ok()?.path()));
+    let mut libraries = folders.map(|folder| folder.join("faketime/libfaketime.so.1"));
+    libraries.find(|library| library.is_file())
 }
 
 /// Whether a command ended with the exit code it should.

@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use snowlab_solver::{Real, Simulation};
+use snowlab_study::case_run::{CaseEnd, Job};
 use snowlab_study::keeper::Limits;
 use snowlab_study::manifest::Program;
 use snowlab_study::record::Outcome;
-use snowlab_study::results::{Archive, CaseEnd, Job};
+use snowlab_study::results::Archive;
 use snowlab_study::run::{Observer, Unobserved};
 use snowlab_study::spec;
 use snowlab_study::sweep::Study;

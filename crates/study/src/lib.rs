@@ -6,6 +6,7 @@
 
 pub mod assemble;
 pub mod attempt;
+pub mod case_run;
 pub mod check;
 pub mod checkpoint;
 pub mod claims;

@@ -1,25 +1,17 @@
 //! The results of a study: every case with what it left on disk.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use rayon::prelude::*;
 
 use crate::assemble::engine;
-use crate::attempt::{Attempt, log, now};
-use crate::checkpoint::CheckpointFile;
-use crate::keeper::{CaseKeeper, Limits, Pause};
-use crate::manifest::{CaseManifest, MANIFEST, Program, peak_memory};
 use crate::measure::{Metrics, measure};
 use crate::metrics::MetricError;
 use crate::record::{Outcome, RunRecord};
-use crate::run::{Ended, Observer, run_kept};
 use crate::spec::scene::{EngineName, PlacementSpec};
 use crate::spec::study::MeasureSpec;
 use crate::spec::{SceneSpec, SpecError};
-use crate::store::{
-    Asked, CASE, CaseFolder, FAILURE, SOLVER_VERSION, Store, StoreError, case_key, metric_key, scene_key,
-};
+use crate::store::{CaseFolder, Store, StoreError, case_key, metric_key, scene_key};
 use crate::sweep::{Case, Study};
 
 /// A case with its results.
@@ -133,82 +125,6 @@ impl<'a> Archive<'a> {
         Ok(scene_key(scene, &inputs_of(scene, self.folder)?))
     }
 
-    /// Runs case number `index` and stores what it gives: frames first, the record last. A case that cannot be built leaves a record that says so.
-    /// One that fails for no fault of its own, by a panic or a limit, leaves one too, but still counts as missing.
-    ///
-    /// # Errors
-    /// [`StoreError`].
-    pub fn run(&self, index: usize, job: &Job, observer: &mut impl Observer) -> Result<CaseEnd, StoreError> {
-        let scene = &self.study.cases[index].scene;
-        let folder = self.case_folder(index);
-        let attempt = Attempt::begin(&folder)?;
-        log(&folder, &format!("begins: {} on {} thread(s)", self.describe(index), job.threads));
-        // What a panic leaves half done is the observer's count of steps and files that no record vouches for.
-        let ended = catch_unwind(AssertUnwindSafe(|| match scene.dimension {
-            3 => self.run_in::<3>(index, job, &attempt, observer),
-            _ => self.run_in::<2>(index, job, &attempt, observer),
-        }));
-        let end = match ended {
-            Ok(end) => end?,
-            Err(panic) => {
-                // Where it came from may be the fault: the next attempt begins anew.
-                folder.remove(CheckpointFile::NAME)?;
-                CaseEnd::Failed(Outcome::failed("panic", words_of(panic.as_ref())))
-            }
-        };
-        log(&folder, &end.in_words());
-        match &end {
-            CaseEnd::Finished => Attempt::clear(&folder)?,
-            CaseEnd::Failed(outcome) => {
-                folder.write_json(FAILURE, &RunRecord::without_particles(outcome.clone()))?;
-                Attempt::end(&folder)?;
-            }
-            CaseEnd::Interrupted => Attempt::end(&folder)?,
-        }
-        Ok(end)
-    }
-
-    fn run_in<const D: usize>(
-        &self,
-        index: usize,
-        job: &Job,
-        attempt: &Attempt,
-        observer: &mut impl Observer,
-    ) -> Result<CaseEnd, StoreError> {
-        let scene = &self.study.cases[index].scene;
-        let folder = self.case_folder(index);
-        let scene_key = self.scene_key(index).unwrap_or_default();
-        folder
-            .write_json(CASE, &Asked { solver_version: SOLVER_VERSION, scene_key, scene: scene.clone() })?;
-        let mut keeper = CaseKeeper::new(&folder, self.key(index), job.limits);
-        let ended = run_kept::<D>(scene, self.folder, job.threads, observer, &mut keeper);
-        let record = match ended {
-            Ok(Ended::Paused(pause)) => return Ok(CaseEnd::paused(pause, job.limits)),
-            Ok(Ended::Run(run)) => {
-                folder.write_frames(&run.frames)?;
-                if let Ok(metrics) = measure(&self.study.measure, scene, &run.frames, &run.record) {
-                    folder.write_json(&metrics_file(&self.study.measure), &metrics)?;
-                }
-                run.record
-            }
-            Err(error) => RunRecord::without_particles(Outcome::not_built(error.to_string())),
-        };
-        let manifest = CaseManifest {
-            program: job.program.clone(),
-            seed: scene.seed,
-            began: attempt.began.clone(),
-            ended: now(),
-            wall_seconds: keeper.elapsed().as_secs_f64(),
-            attempts: attempt.number,
-            peak_memory: peak_memory(),
-            jobs: job.side_by_side,
-            threads: job.threads,
-        };
-        folder.write_json(MANIFEST, &manifest)?;
-        folder.write_run(&record)?;
-        Ok(CaseEnd::Finished)
-    }
-
     /// Arm, point of the sweep and block of case number `index`.
     pub fn describe(&self, index: usize) -> String {
         let case = &self.study.cases[index];
@@ -280,81 +196,9 @@ impl<'a> Archive<'a> {
     }
 }
 
-/// How a case is to be run.
-#[derive(Clone, Copy, Debug)]
-pub struct Job<'a> {
-    /// Threads.
-    pub threads: usize,
-    /// Cases at the same time.
-    pub side_by_side: usize,
-    /// What it may take.
-    pub limits: &'a Limits,
-    /// The program that runs it.
-    pub program: &'a Program,
-}
-
-impl<'a> Job<'a> {
-    /// On one thread, alone.
-    pub fn alone(limits: &'a Limits, program: &'a Program) -> Self {
-        Job { threads: 1, side_by_side: 1, limits, program }
-    }
-}
-
-/// How an attempt at a case ended.
-#[derive(Clone, Debug, PartialEq)]
-pub enum CaseEnd {
-    /// With a record of the whole run.
-    Finished,
-    /// For no fault of its own; it will be tried again.
-    Failed(Outcome),
-    /// Put away, because the program was asked to stop.
-    Interrupted,
-}
-
-impl CaseEnd {
-    fn paused(pause: Pause, limits: &Limits) -> Self {
-        match pause {
-            Pause::Interrupted => CaseEnd::Interrupted,
-            Pause::TimeLimit => {
-                let most = humantime::format_duration(limits.time.unwrap_or_default());
-                CaseEnd::Failed(Outcome::failed(
-                    "time-limit",
-                    format!(
-                        "it has run for {most}; it is put away: run it again with a longer `--time-limit`"
-                    ),
-                ))
-            }
-            Pause::StepLimit => {
-                let most = limits.steps.unwrap_or_default();
-                CaseEnd::Failed(Outcome::failed(
-                    "step-limit",
-                    format!(
-                        "it has taken {most} steps; it is put away: run it again with a greater `--step-limit`"
-                    ),
-                ))
-            }
-        }
-    }
-
-    /// In the words of a log.
-    pub fn in_words(&self) -> String {
-        match self {
-            CaseEnd::Finished => "finished".into(),
-            CaseEnd::Failed(Outcome::Stopped { reason, message }) => format!("failed ({reason}): {message}"),
-            CaseEnd::Failed(_) => "failed".into(),
-            CaseEnd::Interrupted => "interrupted: it goes on where it was the next time".into(),
-        }
-    }
-}
-
-fn metrics_file(measure: &MeasureSpec) -> String {
+/// Name of the file of metrics by `measure`.
+pub(crate) fn metrics_file(measure: &MeasureSpec) -> String {
     format!("metrics-{}.json", metric_key(measure))
-}
-
-/// What a panic said.
-fn words_of(panic: &(dyn std::any::Any + Send)) -> String {
-    let text = panic.downcast_ref::<&str>().copied().or(panic.downcast_ref::<String>().map(String::as_str));
-    format!("the program failed: {}; please report it", text.unwrap_or("without a word"))
 }
 
 /// The contents of the particle files that a scene names.

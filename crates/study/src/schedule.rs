@@ -7,9 +7,10 @@ use std::time::Duration;
 
 use snowlab_solver::{Real, Simulation};
 
+use crate::case_run::{CaseEnd, Job};
 use crate::keeper::Limits;
 use crate::manifest::Program;
-use crate::results::{Archive, CaseEnd, Job};
+use crate::results::Archive;
 use crate::run::Observer;
 use crate::store::{Hold, Lock, StoreError};
 

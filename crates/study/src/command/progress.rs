@@ -5,7 +5,8 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use snowlab_study::results::{Archive, CaseEnd};
+use snowlab_study::case_run::CaseEnd;
+use snowlab_study::results::Archive;
 use snowlab_study::schedule::Progress;
 use snowlab_study::store::StoreError;
 
