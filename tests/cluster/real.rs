@@ -102,6 +102,6 @@ fn element_with(slurm: &Slurm, desk: &Desk, arm: &str) -> Job {
     let key = line.split_whitespace().nth(1).expect("a key");
     let list = desk.read("results/tiny/slurm/elements.txt");
     let element = list.lines().position(|line| line.contains(key)).expect("its element");
-    let jobs = slurm.jobs().into_iter();
-    jobs.filter(|job| job.id.ends_with(&format!("_{element}"))).next_back().expect("a job of the element")
+    let mut jobs = slurm.jobs().into_iter();
+    jobs.rfind(|job| job.id.ends_with(&format!("_{element}"))).expect("a job of the element")
 }

@@ -32,7 +32,7 @@ pub struct Run<const D: usize> {
 #[derive(Clone, Debug)]
 pub enum Ended<const D: usize> {
     /// It has come to its end.
-    Run(Run<D>),
+    Run(Box<Run<D>>),
     /// It was put away on the way.
     Paused(Pause),
 }
@@ -67,7 +67,7 @@ pub fn run_scene<const D: usize>(
     observer: &mut impl Observer,
 ) -> Result<Run<D>, SpecError> {
     match run_kept::<D>(spec, folder, threads, observer, &mut Unkept)? {
-        Ended::Run(run) => Ok(run),
+        Ended::Run(run) => Ok(*run),
         Ended::Paused(_) => unreachable!("a run that is kept nowhere is not put away"),
     }
 }
@@ -117,7 +117,7 @@ fn run<T: Real, const D: usize>(
         }
     };
     let record = RunRecord::of(&simulation, made, unit, kept.history, outcome);
-    Ok(Ended::Run(Run { frames: kept.frames, record }))
+    Ok(Ended::Run(Box::new(Run { frames: kept.frames, record })))
 }
 
 /// A run at its beginning.
