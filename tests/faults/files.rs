@@ -18,7 +18,7 @@ fn counts(path: &Path) -> bool {
 
 /// A bit of a file of finished cases.
 pub fn bit_flipped(lab: &mut Lab, random: &mut ChaCha8Rng) -> Result<(), String> {
-    damaged(lab, random, flip)
+    damaged(lab, random, |bytes, random| flip(bytes, random))
 }
 
 /// A file of finished cases.
@@ -28,7 +28,7 @@ pub fn cut_short(lab: &mut Lab, random: &mut ChaCha8Rng) -> Result<(), String> {
 
 /// A bit of a checkpoint.
 pub fn checkpoint_bit_flipped(lab: &mut Lab, random: &mut ChaCha8Rng) -> Result<(), String> {
-    damaged_checkpoint(lab, random, flip)
+    damaged_checkpoint(lab, random, |bytes, random| flip(bytes, random))
 }
 
 /// A checkpoint.
@@ -38,7 +38,7 @@ pub fn checkpoint_cut_short(lab: &mut Lab, random: &mut ChaCha8Rng) -> Result<()
 
 type Damage = fn(&mut Vec<u8>, &mut ChaCha8Rng);
 
-fn flip(bytes: &mut Vec<u8>, random: &mut ChaCha8Rng) {
+fn flip(bytes: &mut [u8], random: &mut ChaCha8Rng) {
     let place = random.random_range(0..bytes.len());
     bytes[place] ^= 1 << random.random_range(0..8);
 }

@@ -18,8 +18,8 @@ fn wait(lab: &Lab, random: &mut ChaCha8Rng) {
 pub fn killed(lab: &mut Lab, random: &mut ChaCha8Rng) -> Result<(), String> {
     let mut run = lab.begin();
     wait(lab, random);
-    run.kill().map_err(|error| error.to_string())?;
-    let output = run.wait_with_output().map_err(|error| error.to_string())?;
+    run.kill().expect("it can be killed");
+    let output = run.wait_with_output().expect("it has ended");
     match output.status.code() {
         None => Ok(()),
         // It was done before.
@@ -43,8 +43,8 @@ fn stopped_by(signal: &str, lab: &mut Lab, random: &mut ChaCha8Rng) -> Result<()
     // Before it has asked for signals it dies of them, as any program.
     std::thread::sleep(Duration::from_millis(30));
     wait(lab, random);
-    send(signal, &run)?;
-    let output = run.wait_with_output().map_err(|error| error.to_string())?;
+    send(signal, &run);
+    let output = run.wait_with_output().expect("it has ended");
     let said = said(&output);
     match output.status.code() {
         Some(4) if said.contains("the same command goes on") => Ok(()),
@@ -55,9 +55,9 @@ fn stopped_by(signal: &str, lab: &mut Lab, random: &mut ChaCha8Rng) -> Result<()
     }
 }
 
-fn send(signal: &str, to: &Child) -> Result<(), String> {
+fn send(signal: &str, to: &Child) {
     let sent = Command::new("kill").args([&format!("-{signal}"), &to.id().to_string()]).output();
-    sent.map(|_| ()).map_err(|error| error.to_string())
+    sent.expect("signals can be sent");
 }
 
 /// Two runners on one study; one is killed, the other has to do all.
@@ -65,9 +65,9 @@ pub fn one_of_two_killed(lab: &mut Lab, random: &mut ChaCha8Rng) -> Result<(), S
     let mut first = lab.begin();
     let second = lab.begin();
     wait(lab, random);
-    first.kill().map_err(|error| error.to_string())?;
-    first.wait().map_err(|error| error.to_string())?;
-    ended_with(3, &second.wait_with_output().map_err(|error| error.to_string())?)?;
+    first.kill().expect("it can be killed");
+    first.wait().expect("it has ended");
+    ended_with(3, &second.wait_with_output().expect("it has ended"))?;
     lab.ended()
 }
 
@@ -83,8 +83,8 @@ pub fn with_another_clock(lab: &mut Lab, random: &mut ChaCha8Rng) -> Result<(), 
         .env("FAKETIME_DONT_FAKE_MONOTONIC", "1");
     let mut run = command.spawn().map_err(|error| error.to_string())?;
     wait(lab, random);
-    run.kill().map_err(|error| error.to_string())?;
-    run.wait().map_err(|error| error.to_string())?;
+    run.kill().expect("it can be killed");
+    run.wait().expect("it has ended");
     lab.finish()
 }
 

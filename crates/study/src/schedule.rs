@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use snowlab_solver::{Real, Simulation};
 
+use crate::attempt::Attempt;
 use crate::case_run::{CaseEnd, Job};
 use crate::keeper::Limits;
 use crate::manifest::Program;
@@ -111,8 +112,12 @@ impl<P: Progress> Shop<'_, P> {
     fn work(&self) {
         while let Some(index) = self.next() {
             match Lock::take(&self.archive.case_folder(index).lock(), Hold::Alone) {
+                // Another runner has run it meanwhile, and may have been killed before it had cleared up.
                 Ok(Some(_lock)) if self.archive.is_done(index) => {
-                    self.account(|account| account.elsewhere += 1);
+                    match Attempt::clear(&self.archive.case_folder(index)) {
+                        Ok(()) => self.account(|account| account.elsewhere += 1),
+                        Err(error) => self.unstored(index, error),
+                    }
                     self.watcher(index).end();
                 }
                 Ok(Some(_lock)) => self.run(index),
