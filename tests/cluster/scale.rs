@@ -49,10 +49,6 @@ fn many_cases_are_planned_submitted_and_collected() {
     assert!(collected.contains(&format!("{count} in the tables")), "{collected}");
     let rows = desk.read("results/tiny/cases.csv").lines().count();
     assert_eq!(rows, count + 1);
-    if told.is_some() {
-        let bytes: u64 = desk.files("results").values().map(|bytes| bytes.len() as u64).sum();
-        println!("{} files, {bytes} bytes", desk.files("results").len());
-    }
 }
 
 /// Gives every case the records of the first, under its own seal.
