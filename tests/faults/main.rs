@@ -4,7 +4,7 @@
 //! A short campaign is part of the tests. The long one, whose figures stand in docs/reliability.md, writes them to results/reliability:
 //!
 //! ```text
-//! SNOWLAB_FAULTS=1500 cargo test --locked --release -p snowlab-study --test faults -- --nocapture
+//! SNOWLAB_FAULTS=1200 cargo test --locked --release -p snowlab-study --test faults -- --nocapture
 //! ```
 
 #[path = "../desk/mod.rs"]
