@@ -61,7 +61,10 @@ pub(crate) fn update_deformation<T: Real, const D: usize>(
                 ledger.plastic_loss += (released * constants.volume[p]).as_f64();
                 if flow.clamped {
                     ledger.clamps += 1;
-                    next.clamped[p] = true;
+                    // Without bounds nobody asks, and J_P can only have left what numbers there are.
+                    if let Some(clamped) = next.clamped.get_mut(p) {
+                        *clamped = true;
+                    }
                 }
             }
         }

@@ -15,6 +15,9 @@ use crate::real::Real;
 use crate::scene::Scene;
 use crate::stencil::Stencil;
 
+/// Cells that a particle may be from the local origin: nodes are counted by 32 bits, with room to move.
+const REACH: f64 = (1_u32 << 30) as f64;
+
 /// Everything that a step reads and changes: saved and restored, a run goes on as if nothing had happened.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
@@ -162,7 +165,9 @@ impl<T: Real, const D: usize> State<T, D> {
         let known = |material: &u16| usize::from(*material) < scene.materials.len();
         let mut ids = constants.id.clone();
         ids.sort_unstable();
-        vectors.iter().all(|vectors| vectors.iter().all(|v| finite(v.as_slice())))
+        let reach = scene.spacing.as_f64() * REACH;
+        position.iter().all(|x| x.amax().as_f64() < reach)
+            && vectors.iter().all(|vectors| vectors.iter().all(|v| finite(v.as_slice())))
             && affine.iter().chain(deformation).all(|matrix| finite(matrix.as_slice()))
             && [plastic_ratio, stiffness, &constants.mass, &constants.volume, &constants.stiffness_scale]
                 .into_iter()
