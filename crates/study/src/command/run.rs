@@ -21,6 +21,7 @@ use snowlab_study::store::RUN;
 
 use super::collect::collect_tables;
 use super::opened::{Opened, StudyArguments, largest, use_study};
+use super::preflight::warn_of_study;
 use super::progress::Bar;
 use super::{Exit, in_full, print_json};
 
@@ -100,6 +101,7 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<Exit> {
     let numbers = arguments.numbers(&archive, &statuses)?;
     eprintln!("{}: {} cases, {} to run", study.spec.name, study.cases.len(), numbers.len());
     clear_records(&archive, &statuses, &numbers)?;
+    warn_of_study(&study, &numbers, arguments.study.folder());
     let orders = arguments.orders(&archive, &numbers)?;
     let work: Vec<f64> = costs(&archive, &statuses, false).iter().map(|cost| cost.seconds).collect();
     let account = run_cases(&archive, &numbers, &work, &orders, &Bar::new(&archive, numbers.len()));
