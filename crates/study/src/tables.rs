@@ -157,7 +157,7 @@ pub fn cases(results: &[CaseResult]) -> Table {
 fn arm_and_axes(row: &mut Row, result: &CaseResult) {
     row.put("arm", "-", "arm of the study", result.case.arm.as_str());
     for (name, number) in &result.case.axes {
-        row.number(name, "-", "axis of the sweep", *number);
+        row.put(name, "-", "axis of the sweep", *number);
     }
 }
 

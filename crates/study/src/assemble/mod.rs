@@ -6,7 +6,7 @@ mod obstacle;
 mod region;
 mod vector;
 
-pub use numerics::{engine, kernel, transfer};
+pub use numerics::{engine, kernel, material, transfer};
 pub use region::region;
 
 use std::path::Path;
