@@ -161,10 +161,10 @@ fn row(spec: &MapSpec, x: &MapAxis, y: f64, arm: &str, results: &[CaseResult]) -
     MapRow { y, ends: ends.collect(), derived: limits.and_then(|limits| the_same(&limits)) }
 }
 
-/// The number that all are, but for round-off.
+/// The number that all are, but for a share of 1e-3 (chosen: numbers that stand for values are rounded).
 fn the_same(numbers: &[f64]) -> Option<f64> {
     let first = *numbers.first()?;
-    numbers.iter().all(|number| (number / first - 1.0).abs() < 1e-9).then_some(first)
+    numbers.iter().all(|number| (number / first - 1.0).abs() < 1e-3).then_some(first)
 }
 
 /// The maps of a study from its results.
@@ -220,6 +220,11 @@ fn table_row(map: &OutcomeMap, arm: &MapArm, found: &MapRow) -> Row {
         .put("fails_from", "of x", "the first place of a case that is not sound", at)
         .put("sound_to_over_derived", "-", "sound_to over derived", over(sound))
         .put("fails_from_over_derived", "-", "fails_from over derived", over(at))
-        .put("end", "-", "how that case ended", broken.map_or(String::new(), |(_, end)| map.words(end)).as_str());
+        .put(
+            "end",
+            "-",
+            "how that case ended",
+            broken.map_or(String::new(), |(_, end)| map.words(end)).as_str(),
+        );
     row
 }

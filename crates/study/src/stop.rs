@@ -7,28 +7,45 @@ use snowlab_solver::{Integrator, Real, Scene, Simulation, SimulationError, State
 /// The error of a run that stopped, with the stability limit there and the remedy.
 pub fn told<T: Real, const D: usize>(error: &SimulationError, simulation: &Simulation<T, D>) -> String {
     let (scene, state) = (simulation.scene(), simulation.state());
-    let dt = match error {
-        SimulationError::StepRejected { dt, .. } | SimulationError::EnergyRise { dt, .. } => Some(*dt),
-        SimulationError::TooManySteps { .. } => None,
+    let why = match error {
+        SimulationError::StepRejected { dt, .. } | SimulationError::EnergyRise { dt, .. } => {
+            beside_limit(*dt, scene, state)
+        }
+        SimulationError::TooManySteps { .. } => Some(over_a_cell(scene, state)),
     };
-    let limit = dt.and_then(|dt| beside_limit(dt, scene, state));
-    let parts = [Some(error.to_string()), limit, Some(remedy(error, scene).into())];
+    let restores = state.ledger.watchdog_restores;
+    let halved = (restores > 1)
+        .then(|| format!("the watchdog has halved the step {restores} times: energy kept rising"));
+    let parts = [Some(error.to_string()), why, halved, Some(remedy(error, scene).into())];
     parts.into_iter().flatten().collect::<Vec<_>>().join("; ")
 }
 
 /// `dt` [s] beside the limit derived for explicit steps from the state (docs/stability.md). Implicit steps have none.
-fn beside_limit<T: Real, const D: usize>(dt: f64, scene: &Scene<T, D>, state: &State<T, D>) -> Option<String> {
+fn beside_limit<T: Real, const D: usize>(
+    dt: f64,
+    scene: &Scene<T, D>,
+    state: &State<T, D>,
+) -> Option<String> {
     let speed = fastest_wave_squared(scene, state).as_f64().sqrt();
     let limit = wave_limit(scene.kernel, scene.transfer) * scene.spacing.as_f64() / speed;
     let known = scene.integrator == Integrator::Explicit && limit.is_finite() && limit > 0.0;
     known.then(|| format!("the stability limit there is {limit:.3e} s, this step {:.2} of it", dt / limit))
 }
 
+/// What makes steps short: how long the fastest wave and particle take over a cell [s].
+fn over_a_cell<T: Real, const D: usize>(scene: &Scene<T, D>, state: &State<T, D>) -> String {
+    let h = scene.spacing.as_f64();
+    let wave = fastest_wave_squared(scene, state).as_f64().sqrt();
+    let speed = state.motion.velocity.iter().map(|v| v.norm().as_f64()).fold(0.0, f64::max);
+    let particle = if speed > 0.0 { format!("{:.3e} s", h / speed) } else { "for ever".into() };
+    format!("the fastest wave takes {:.3e} s over a cell, the fastest particle {particle}", h / wave)
+}
+
 fn remedy<T: Real, const D: usize>(error: &SimulationError, scene: &Scene<T, D>) -> &'static str {
     let fixed = matches!(scene.time_step.length, StepLength::Fixed(_));
     match error {
         SimulationError::TooManySteps { .. } => {
-            "raise `numerics.max_steps`, or look for what makes the steps short: stiffness, hardening, speed"
+            "raise `numerics.max_steps`, or soften or slow what makes the steps short"
         }
         SimulationError::StepRejected { reason: RejectionReason::NotConverged { .. }, .. } => {
             "raise `max_iterations` or `tolerance` of `numerics.integrator`, or lower `numerics.greatest_step`"
@@ -38,7 +55,7 @@ fn remedy<T: Real, const D: usize>(error: &SimulationError, scene: &Scene<T, D>)
             "look for material that obstacles overlap or trap, or that is faster than its waves"
         }
         SimulationError::EnergyRise { .. } => {
-            "lower `numerics.wave_courant` and `numerics.advective_courant`, or leave them out"
+            "lower `numerics.wave_courant`, or `poisson` where it is above 0.4: plastic flow then makes energy"
         }
     }
 }

@@ -117,7 +117,8 @@ fn profile_of(spec: &StudySpec, profile: Option<&str>) -> Result<ProfileSpec, Sp
 fn check_count(spec: &StudySpec, profile: &ProfileSpec) -> Result<(), SpecError> {
     let base = values_of(spec.scene.values()) + values_of(profile.set.values());
     // Of each axis one value is set at a time.
-    let swept = |arm| axes_of(spec, arm).flat_map(|axis| axis.values.iter().map(value_count).max()).sum::<u64>();
+    let swept =
+        |arm| axes_of(spec, arm).flat_map(|axis| axis.values.iter().map(value_count).max()).sum::<u64>();
     let (mut most_points, mut blocks, mut cases, mut values) = (0_u64, 0_u64, 0_u64, 0_u64);
     for arm in spec.arm.iter().filter(|arm| runs(profile, arm)) {
         let points = axes_of(spec, arm).fold(1_u64, |n, axis| n.saturating_mul(axis.values.len() as u64));

@@ -278,7 +278,7 @@ fn measured(row: &mut Row, result: &CaseResult) {
     .put("ln_neff_bonds", "-", "A by the bond graph", m.map(|m| m.ln_neff_bonds))
     .put("ln_neff_kernel", "-", "A by the kernel graph", m.map(|m| m.ln_neff_kernel))
     .put("ln_neff_earlier", "-", "A one settle window earlier", m.map(|m| m.ln_neff_earlier))
-    .put("ln_extent", "-", "ln of the horizontal width of 90 % of the mass [m]", m.map(|m| m.ln_extent))
+    .put("ln_extent", "-", "ln of the horizontal width of 90 % of the mass [m]", m.and_then(|m| m.ln_extent))
     .put(
         "run_out",
         "m",

@@ -8,7 +8,8 @@ use super::sheet::{Sheet, filled, stroked};
 use super::style::{self, CHART_WIDTH, Ink, LABEL, MARGIN, MARKER, PAPER, TEXT, TICK};
 use super::text::{self, Face};
 use plotters::chart::LabelAreaPosition;
-use plotters::element::Rectangle;
+use plotters::element::{PathElement, Rectangle};
+use plotters::style::ShapeStyle;
 
 /// One axis.
 #[derive(Clone, Copy, Debug)]
@@ -142,24 +143,26 @@ fn draw_panel(
     [is_first, is_lowest]: [bool; 2],
 ) -> Result<(), FigureError> {
     let ((x, columns), (y, rows)) = (axis_of(figure.x.values), axis_of(figure.y.values));
-    let ticks = x.ticks(5);
-    let mut panel = Panel::with_ticks(sheet, area, [x, y], ticks, LabelAreaPosition::Bottom)?;
+    let mut panel = Panel::with_ticks(sheet, area, [x, y], x.ticks(5), LabelAreaPosition::Bottom)?;
+    if is_first {
+        panel.draw_y(figure.y.label)?;
+    }
     for (row, cells) in shown.cells.iter().enumerate() {
         for (column, kind) in cells.iter().enumerate() {
             let Some(kind) = kind.and_then(|kind| figure.kinds.get(kind)) else { continue };
             let corners = [(columns[column], rows[row]), (columns[column + 1], rows[row + 1])];
+            let border = ShapeStyle { filled: false, ..stroked(1.0, PAPER) };
             panel.plot().draw(&Rectangle::new(corners, filled(kind.ink)))?;
-            panel.plot().draw(&Rectangle::new(corners, plotters::style::ShapeStyle { filled: false, ..stroked(1.0, PAPER) }))?;
+            panel.plot().draw(&Rectangle::new(corners, border))?;
         }
     }
     for (row, limit) in shown.limits.iter().enumerate() {
         if let Some(limit) = limit.filter(|limit| (x.low..x.high).contains(limit)) {
             let ends = [(limit, rows[row]), (limit, rows[row + 1])];
+            // On paper, so that it is seen on dark cells, too.
+            panel.plot().draw(&PathElement::new(ends, stroked(9.0, PAPER)))?;
             panel.draw_dashed(ends, 7.0, stroked(4.0, MARKER))?;
         }
-    }
-    if is_first {
-        panel.draw_y(figure.y.label)?;
     }
     if is_lowest {
         panel.draw_x(figure.x.label)?;

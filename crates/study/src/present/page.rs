@@ -1,15 +1,15 @@
 //! The report's data from a study's findings.
 
 use crate::claims::Verdict;
+use crate::outcome_map::{maps, table};
 use crate::record::Outcome;
 use crate::report::{
     ReportArm, ReportData, ReportError, ReportFact, ReportFailure, ReportFigure, ReportOutcome, ReportTable,
     ReportVerdict, html,
 };
-use crate::spec::scene::{EngineName, PrecisionName};
-use crate::outcome_map::{maps, table};
 use crate::results::CaseResult;
 use crate::spec::StudySpec;
+use crate::spec::scene::{EngineName, PrecisionName};
 use crate::statistics::{Interval, OperatingSpeed, summarise};
 use crate::store::{METRIC_VERSION, SOLVER_VERSION};
 use crate::table::{Cell, Row};
@@ -124,8 +124,7 @@ fn selection(group: &[&crate::results::CaseResult]) -> String {
 }
 
 fn name(findings: Findings, result: &crate::results::CaseResult) -> String {
-    let point: Vec<String> =
-        result.case.point().map(|(axis, value)| format!(", {axis} {value}")).collect();
+    let point: Vec<String> = result.case.point().map(|(axis, value)| format!(", {axis} {value}")).collect();
     let label = findings.archive.study.label(&result.case.arm);
     let same_label =
         findings.archive.study.spec.arm.iter().filter(|arm| arm.label.as_ref() == Some(&label)).count();

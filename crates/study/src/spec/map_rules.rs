@@ -44,7 +44,11 @@ impl StudySpec {
     /// Every arm of a map has to be run along its two axes, and along no third.
     fn check_crossing(&self, place: String, map: &MapSpec) -> Result<(), SpecError> {
         let takes = |id: &str| -> Vec<&str> {
-            self.sweep.iter().filter(|axis| axis.takes(id)).map(|axis: &SweepSpec| axis.name.as_str()).collect()
+            self.sweep
+                .iter()
+                .filter(|axis| axis.takes(id))
+                .map(|axis: &SweepSpec| axis.name.as_str())
+                .collect()
         };
         let crosses = |id: &str| [&map.x, &map.y].iter().all(|axis| takes(id).contains(&axis.as_str()));
         let arms: Vec<&str> = map.arms_of(self);
@@ -56,7 +60,10 @@ impl StudySpec {
             return Ok(());
         };
         let along = takes(id).join(", ");
-        let message = format!("\"{id}\" is run along: {along}; a map takes arms of its two axes, \"{}\" and \"{}\"", map.x, map.y);
+        let message = format!(
+            "\"{id}\" is run along: {along}; a map takes arms of its two axes, \"{}\" and \"{}\"",
+            map.x, map.y
+        );
         refuse(place, format!("{message}, and of no other; set `arms` of the axes"))
     }
 }

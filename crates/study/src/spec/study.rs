@@ -151,7 +151,8 @@ impl SweepSpec {
     /// The number that stands for the value of this index, NaN for one that has none.
     pub fn number(&self, index: usize) -> f64 {
         let written = self.numbers.as_ref().and_then(|numbers| numbers.get(index).copied());
-        let own = || self.values[index].as_float().or(self.values[index].as_integer().map(|whole| whole as f64));
+        let own =
+            || self.values[index].as_float().or(self.values[index].as_integer().map(|whole| whole as f64));
         written.or_else(own).unwrap_or(f64::NAN)
     }
 

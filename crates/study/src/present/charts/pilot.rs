@@ -40,8 +40,7 @@ type SpeedTrials = (Vec<f64>, Vec<(String, Vec<Vec<f64>>)>, Option<f64>);
 
 fn speed_trials(findings: Findings) -> SpeedTrials {
     let study = findings.archive.study;
-    let speed_of =
-        |r: &CaseResult| r.case.number("speed");
+    let speed_of = |r: &CaseResult| r.case.number("speed");
     let mut speeds: Vec<f64> = findings.results.iter().filter_map(speed_of).collect();
     speeds.sort_by(f64::total_cmp);
     speeds.dedup();
