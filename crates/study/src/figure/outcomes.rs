@@ -111,10 +111,8 @@ pub fn outcomes(figure: &Outcomes<'_>) -> Result<Drawing, FigureError> {
 
 /// Where the cells round `values` meet: one more than there are values.
 fn edges(values: &[f64], scale: Scale) -> Vec<f64> {
-    let (to, from): (fn(f64) -> f64, fn(f64) -> f64) = match scale {
-        Scale::Linear => (|v| v, |v| v),
-        Scale::Logarithmic => (libm::log, libm::exp),
-    };
+    let to = |value: f64| if scale == Scale::Linear { value } else { libm::log(value) };
+    let from = |place: f64| if scale == Scale::Linear { place } else { libm::exp(place) };
     let at: Vec<f64> = values.iter().map(|value| to(*value)).collect();
     let half = |k: usize| if at.len() < 2 { 0.5 } else { 0.5 * (at[k + 1] - at[k]) };
     let last = at.len() - 1;
