@@ -37,8 +37,9 @@ fn over_a_cell<T: Real, const D: usize>(scene: &Scene<T, D>, state: &State<T, D>
     let h = scene.spacing.as_f64();
     let wave = fastest_wave_squared(scene, state).as_f64().sqrt();
     let speed = state.motion.velocity.iter().map(|v| v.norm().as_f64()).fold(0.0, f64::max);
-    let particle = if speed > 0.0 { format!("{:.3e} s", h / speed) } else { "for ever".into() };
-    format!("the fastest wave takes {:.3e} s over a cell, the fastest particle {particle}", h / wave)
+    // Waves stand still where hardening has left no stiffness.
+    let over = |speed: f64| if speed > 0.0 { format!("{:.3e} s", h / speed) } else { "for ever".into() };
+    format!("the fastest wave takes {} over a cell, the fastest particle {}", over(wave), over(speed))
 }
 
 fn remedy<T: Real, const D: usize>(error: &SimulationError, scene: &Scene<T, D>) -> &'static str {
