@@ -2,6 +2,7 @@
 //! let pass.
 
 mod files;
+mod maps;
 mod questions;
 mod ranges;
 mod scenes;
