@@ -13,7 +13,7 @@ pub use ranges::SCENES;
 use std::path::Path;
 
 use snowlab_study::assemble::assemble;
-use snowlab_study::spec::{self, SceneSpec, SpecError, StudySpec};
+use snowlab_study::spec::{self, SceneSpec, SpecError};
 use snowlab_study::sweep::Study;
 
 /// Words of the implementation that no user should have to understand.

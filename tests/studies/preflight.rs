@@ -87,9 +87,15 @@ const CLIFFS: &[Cliff] = &[
     ),
     (
         "velocity = ",
-        "material = { kind = \"elastic\", poisson = 0.49 }\nvelocity = ",
+        "material = { kind = \"snow\", poisson = 0.45 }\nvelocity = ",
         "body.0.material.poisson",
-        &["0.49", "locks"],
+        &["is 0.45", "makes energy", "at most 0.4"],
+    ),
+    (
+        "[output]",
+        "[[collider]]\nshape = { kind = \"half-space\", point = [0.0, 0.6], normal = [0.0, -1.0] }\nvelocity = [0.0, -4.0]\n[output]",
+        "collider.1.velocity",
+        &["`collider.0` and `collider.1` meet after 1.500e-1 s", "crushed"],
     ),
     (
         "velocity = ",

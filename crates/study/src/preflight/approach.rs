@@ -1,6 +1,6 @@
 //! What meets what, and how fast, told from positions and velocities at the start.
 
-use snowlab_solver::{Collider, Scene, State, Vector};
+use snowlab_solver::{Collider, Scene, Shape, State, Vector};
 
 /// What comes together within the run.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +41,43 @@ pub fn approach<const D: usize>(scene: &Scene<f64, D>, state: &State<f64, D>, du
         bodies[..k].iter().for_each(|other| found.add(one.meets(other), duration));
     }
     found
+}
+
+/// Pairs of half-spaces that face each other and meet within the run, with the time at which they do [s]: whatever is between them is crushed.
+pub fn presses<const D: usize>(scene: &Scene<f64, D>, duration: f64) -> Vec<(usize, usize, f64)> {
+    let walls: Vec<_> =
+        scene.colliders.iter().enumerate().filter_map(|(number, collider)| wall(number, collider)).collect();
+    let mut found = Vec::new();
+    for (k, (second, other)) in walls.iter().enumerate() {
+        for (first, one) in &walls[..k] {
+            let gap = (other.point - one.point).dot(&one.normal);
+            let closing = (one.velocity - other.velocity).dot(&one.normal);
+            // chosen: walls less than 60 degrees off from facing each other; others let material out.
+            if one.normal.dot(&other.normal) < -0.5
+                && gap >= 0.0
+                && closing * duration >= gap
+                && closing > 0.0
+            {
+                found.push((*first, *second, gap / closing));
+            }
+        }
+    }
+    found
+}
+
+struct Wall<const D: usize> {
+    point: Vector<f64, D>,
+    normal: Vector<f64, D>,
+    velocity: Vector<f64, D>,
+}
+
+fn wall<const D: usize>(number: usize, collider: &Collider<f64, D>) -> Option<(usize, Wall<D>)> {
+    match collider.shape {
+        Shape::HalfSpace { point, normal } => {
+            Some((number, Wall { point, normal, velocity: collider.velocity }))
+        }
+        Shape::Ball { .. } | Shape::Box { .. } => None,
+    }
 }
 
 impl Approach {
@@ -125,7 +162,7 @@ fn bodies<const D: usize>(scene: &Scene<f64, D>, state: &State<f64, D>) -> Vec<B
 
 #[cfg(test)]
 mod tests {
-    use snowlab_solver::{Contact, Shape};
+    use snowlab_solver::Contact;
 
     use super::*;
 

@@ -13,7 +13,7 @@ use crate::run::latest_end;
 use crate::spec::scene::{MaterialSpec, PlacementSpec, VoidSpec};
 use crate::spec::{SceneSpec, SpecError};
 
-use super::approach::{Approach, approach};
+use super::approach::{Approach, approach, presses};
 
 /// What bounds the first time step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -78,6 +78,8 @@ pub struct Facts {
     pub cells_across_bridge: Option<f64>,
     /// Particles that lie in an obstacle, by the obstacle's number.
     pub buried: Vec<(usize, usize)>,
+    /// Pairs of walls that close on each other within the run, by their numbers, and when they meet [s].
+    pub presses: Vec<(usize, usize, f64)>,
     /// Memory at the peak of the run [bytes].
     pub memory: Option<f64>,
     /// Memory that is free [bytes].
@@ -124,6 +126,7 @@ impl Facts {
             cells_across_void: (made.voids > 0).then_some(made.least_void_width / h),
             cells_across_bridge: bridge(spec).map(|width| width / h),
             buried,
+            presses: presses(scene, latest_end(&spec.output, unit)),
             memory: memory::of_case(spec),
             memory_free: memory::available(),
         })
