@@ -63,7 +63,7 @@ const USUAL_MEMORY: f64 = 4e9;
 const MOST_ELEMENTS: usize = 1000;
 
 /// What was submitted, as it is told by `--json`.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 struct Told {
     cases: usize,
     elements: usize,
@@ -78,9 +78,19 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
     let Opened { study, .. } = arguments.study.open()?;
     let archive = arguments.study.archive(&study)?;
     let statuses = statuses(&archive, Look::Records);
-    let wanted = |state: &State| !state.is_done() && !matches!(state, State::Running { .. });
-    let numbers: Vec<usize> = statuses.iter().filter(|s| wanted(&s.state)).map(|s| s.index).collect();
+    let submission = Submission::of(&archive);
+    let queued = submission.keys_queued();
+    let missing = |state: &State| !state.is_done() && !matches!(state, State::Running { .. });
+    let numbers: Vec<usize> = statuses.iter().filter(|s| missing(&s.state)).map(|s| s.index).collect();
+    let (waiting, numbers): (Vec<usize>, Vec<usize>) =
+        numbers.into_iter().partition(|&index| queued.contains(archive.key(index)));
+    if !waiting.is_empty() {
+        eprintln!("{} cases are left to elements that wait or run; `scancel` takes those back", waiting.len());
+    }
     if numbers.is_empty() {
+        if arguments.json {
+            return print_json(&Told::default());
+        }
         println!("{}: {} cases, none to submit", study.spec.name, study.cases.len());
         return Ok(Exit::Done);
     }
@@ -96,7 +106,6 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
         .map(|chunk| chunk.iter().map(|&index| archive.key(index).to_string()).collect())
         .collect();
     let directory = std::env::current_dir()?;
-    let submission = Submission::of(&archive);
     let program = match &arguments.program {
         Some(program) => program.clone(),
         None => std::env::current_exe()?.display().to_string(),
@@ -115,7 +124,7 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
     let scripts = submission.write(&job)?;
     let submitted = match arguments.dry_run {
         true => None,
-        false => Some(submission.submit(&arguments.sbatch, now()).map_err(anyhow::Error::msg)?),
+        false => Some(submission.submit(&job, &arguments.sbatch, now()).map_err(anyhow::Error::msg)?),
     };
     let told = Told {
         cases: numbers.len(),
