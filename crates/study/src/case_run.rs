@@ -10,6 +10,7 @@ use crate::measure::measure;
 use crate::record::{Outcome, RunRecord};
 use crate::results::{Archive, metrics_file};
 use crate::run::{Ended, Observer, run_kept};
+use crate::spec::SpecError;
 use crate::store::{Asked, CASE, FAILURE, SOLVER_VERSION, StoreError};
 
 /// How a case is to be run.
@@ -81,7 +82,8 @@ impl CaseEnd {
 
 impl Archive<'_> {
     /// Runs case number `index` and stores what it gives: frames first, the record last. A case that cannot be built leaves a record that says so.
-    /// One that fails for no fault of its own, by a panic or a limit, leaves one too, but still counts as missing.
+    /// One that fails for no fault of its own, by a panic, a limit or a particle file that is not what its key was made of, leaves one too, but still
+    /// counts as missing.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -124,11 +126,19 @@ impl Archive<'_> {
     ) -> Result<CaseEnd, StoreError> {
         let scene = &self.study.cases[index].scene;
         let folder = self.case_folder(index);
+        if let Some(message) = self.changed_input(index) {
+            return Ok(CaseEnd::Failed(Outcome::failed("input", message)));
+        }
         let scene_key = self.scene_key(index).unwrap_or_default();
         folder
             .write_json(CASE, &Asked { solver_version: SOLVER_VERSION, scene_key, scene: scene.clone() })?;
         let mut keeper = CaseKeeper::new(&folder, self.key(index), job.limits);
         let ended = run_kept::<D>(scene, self.folder, job.threads, observer, &mut keeper);
+        if let Some(message) = self.changed_input(index) {
+            // What was put away may have begun with the other file.
+            folder.remove(CheckpointFile::NAME)?;
+            return Ok(CaseEnd::Failed(Outcome::failed("input", message)));
+        }
         let record = match ended {
             Ok(Ended::Paused(pause)) => return Ok(CaseEnd::paused(pause, job.limits)),
             Ok(Ended::Run(run)) => {
@@ -137,6 +147,9 @@ impl Archive<'_> {
                     folder.write_json(&metrics_file(&self.study.measure), &metrics)?;
                 }
                 run.record
+            }
+            Err(error @ (SpecError::Particles { .. } | SpecError::Read { .. })) => {
+                return Ok(CaseEnd::Failed(Outcome::failed("input", error.to_string())));
             }
             Err(error) => RunRecord::without_particles(Outcome::not_built(error.to_string())),
         };

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::assemble::engine;
 use crate::measure::{Metrics, measure};
 use crate::metrics::MetricError;
-use crate::record::{Outcome, RunRecord};
+use crate::record::{Outcome, RunRecord, in_full};
 use crate::spec::scene::{EngineName, PlacementSpec};
 use crate::spec::study::MeasureSpec;
 use crate::spec::{SceneSpec, SpecError};
@@ -125,6 +125,20 @@ impl<'a> Archive<'a> {
         Ok(scene_key(scene, &inputs_of(scene, self.folder)?))
     }
 
+    /// Why case number `index` is not now what its key names: a particle file of its scene has changed since the keys were looked up, or cannot be
+    /// read.
+    pub(crate) fn changed_input(&self, index: usize) -> Option<String> {
+        let scene = &self.study.cases[index].scene;
+        if particle_files(scene).next().is_none() {
+            return None;
+        }
+        match key_of(scene, self.folder) {
+            Ok(key) if key == self.keys[index] => None,
+            Ok(_) => Some("a particle file of its scene was changed after the study was opened; run it again".into()),
+            Err(error) => Some(in_full(&error)),
+        }
+    }
+
     /// Arm, point of the sweep and block of case number `index`.
     pub fn describe(&self, index: usize) -> String {
         let case = &self.study.cases[index];
@@ -203,14 +217,19 @@ pub(crate) fn metrics_file(measure: &MeasureSpec) -> String {
 
 /// The contents of the particle files that a scene names.
 fn inputs_of(scene: &SceneSpec, folder: &Path) -> Result<Vec<Vec<u8>>, SpecError> {
-    let mut inputs = Vec::new();
-    for body in &scene.body {
-        if let PlacementSpec::File { path, .. } = &body.placement {
-            let path = folder.join(path);
-            inputs.push(std::fs::read(&path).map_err(|source| SpecError::Read { path, source })?);
-        }
-    }
-    Ok(inputs)
+    let read = |path: &str| {
+        let path = folder.join(path);
+        std::fs::read(&path).map_err(|source| SpecError::Read { path, source })
+    };
+    particle_files(scene).map(read).collect()
+}
+
+/// The particle files that a scene names, in its order.
+fn particle_files(scene: &SceneSpec) -> impl Iterator<Item = &str> {
+    scene.body.iter().filter_map(|body| match &body.placement {
+        PlacementSpec::File { path, .. } => Some(path.as_str()),
+        _ => None,
+    })
 }
 
 /// The key of a scene, with the contents of its particle files.

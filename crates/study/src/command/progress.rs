@@ -6,11 +6,10 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use snowlab_study::case_run::CaseEnd;
+use snowlab_study::record::in_full;
 use snowlab_study::results::Archive;
 use snowlab_study::schedule::Progress;
 use snowlab_study::store::StoreError;
-
-use super::in_full;
 
 /// Time between plain lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(10);

@@ -15,6 +15,7 @@ use snowlab_study::keeper::{CHECKPOINT_INTERVAL, Limits};
 use snowlab_study::manifest::Program;
 use snowlab_study::memory;
 use snowlab_study::plan::{Look, State, Status, statuses};
+use snowlab_study::record::in_full;
 use snowlab_study::results::Archive;
 use snowlab_study::schedule::{Account, Orders, run_cases};
 use snowlab_study::store::RUN;
@@ -22,7 +23,7 @@ use snowlab_study::store::RUN;
 use super::collect::collect_tables;
 use super::opened::{Opened, StudyArguments, largest, use_study};
 use super::progress::Bar;
-use super::{Exit, in_full, print_json};
+use super::{Exit, print_json};
 
 /// What to run, and how.
 #[derive(Debug, Args)]

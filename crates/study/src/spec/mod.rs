@@ -32,6 +32,14 @@ pub enum SpecError {
         /// Why.
         source: std::io::Error,
     },
+    /// A file of particles that a scene names cannot be read, just now or ever.
+    #[error("{place}: {message}")]
+    Particles {
+        /// File or case, and key.
+        place: String,
+        /// Which file, and why.
+        message: String,
+    },
     /// Something that means nothing.
     #[error("{place}: {message}")]
     Value {
@@ -60,6 +68,9 @@ impl SpecError {
         match self {
             SpecError::Value { place, message } => {
                 SpecError::Value { place: format!("{text}{place}"), message }
+            }
+            SpecError::Particles { place, message } => {
+                SpecError::Particles { place: format!("{text}{place}"), message }
             }
             other => other,
         }
@@ -151,7 +162,7 @@ pub fn parse<S: Spec>(text: &str) -> Result<S, SpecError> {
             Some(line) => error.before(format!("line {line}, ")),
             None => error,
         },
-        SpecError::Read { .. } => error,
+        SpecError::Read { .. } | SpecError::Particles { .. } => error,
     })?;
     Ok(spec)
 }
