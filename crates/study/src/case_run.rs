@@ -141,6 +141,7 @@ impl Archive<'_> {
         }
         let record = match ended {
             Ok(Ended::Paused(pause)) => return Ok(CaseEnd::paused(pause, job.limits)),
+            Ok(Ended::Lost(error)) => return Err(error),
             Ok(Ended::Run(run)) => {
                 folder.write_frames(&run.frames)?;
                 if let Ok(metrics) = measure(&self.study.measure, scene, &run.frames, &run.record) {

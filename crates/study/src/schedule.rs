@@ -19,6 +19,8 @@ use crate::store::{Hold, Lock, StoreError};
 pub trait Progress: Sync {
     /// So much of the whole work is done, in [0, 1], `cases` of them whole.
     fn advanced(&self, share: f64, cases: usize);
+    /// Case number `index` could not be put away and goes on.
+    fn not_put_away(&self, index: usize, error: &StoreError);
     /// An attempt at case number `index` has ended.
     fn ended(&self, index: usize, result: Result<&CaseEnd, &StoreError>);
 }
@@ -172,7 +174,7 @@ impl<P: Progress> Shop<'_, P> {
     }
 
     fn watcher(&self, index: usize) -> Watcher<'_, P> {
-        Watcher { tally: &self.tally, progress: self.progress, work: self.work[index], reported: 0.0 }
+        Watcher { index, tally: &self.tally, progress: self.progress, work: self.work[index], reported: 0.0 }
     }
 }
 
@@ -184,6 +186,7 @@ struct Tally {
 
 /// Adds up the progress of one case.
 struct Watcher<'a, P: Progress> {
+    index: usize,
     tally: &'a Mutex<Tally>,
     progress: &'a P,
     work: f64,
@@ -215,4 +218,7 @@ impl<P: Progress> Observer for Watcher<'_, P> {
         }
     }
     fn frame<T: Real, const D: usize>(&mut self, _simulation: &Simulation<T, D>) {}
+    fn not_put_away(&mut self, error: &StoreError) {
+        self.progress.not_put_away(self.index, error);
+    }
 }

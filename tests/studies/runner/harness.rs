@@ -1,6 +1,7 @@
 //! Running parts of a study, going on with it, and what is told of it.
 
 use serde_json::Value;
+use snowlab_study::attempt::Attempt;
 use snowlab_study::manifest::{CaseManifest, MANIFEST};
 use snowlab_study::store::{Asked, CASE, seal, unseal};
 
@@ -54,6 +55,29 @@ fn a_time_limit_puts_cases_away() {
     let printed = desk.expect(4, "run study.toml --jobs 2 --stop-after 0s");
     assert!(printed.contains("interrupted: ") && printed.contains("the same command goes on"), "{printed}");
     desk.expect(0, "run study.toml --jobs 2 --time-limit 1h");
+}
+
+/// A folder stands where the checkpoint should be written.
+#[test]
+fn a_checkpoint_that_cannot_be_written_is_told() {
+    let desk = Desk::with(&[("study.toml", &study(ARMS))]);
+    let key = desk.expect(0, "plan study.toml --keys").split_whitespace().next().unwrap().to_string();
+    let blocked = format!("results/tiny/cases/{key}/checkpoint.bin");
+    std::fs::create_dir_all(desk.path(&blocked)).unwrap();
+    desk.write(&format!("{blocked}/mine"), "in the way");
+    // To stop without having put the case away is no pause.
+    let printed = desk.expect(3, "run study.toml --index 0 --step-limit 20 --json");
+    let run = json(&printed);
+    assert_eq!([run["unstored"].as_array().map(Vec::len), run["failed"].as_array().map(Vec::len)], [
+        Some(1),
+        Some(0)
+    ]);
+    assert!(printed.contains("checkpoint.bin: cannot be written or read"), "{printed}");
+    // Where it can go on it does, and says so once.
+    let printed = desk.expect(3, "run study.toml --index 0 --checkpoint-every 0s");
+    assert_eq!(printed.matches("cannot be put away, goes on: ").count(), 1, "{printed}");
+    std::fs::remove_dir_all(desk.path(&blocked)).unwrap();
+    desk.expect(0, "run study.toml --index 0");
 }
 
 #[test]

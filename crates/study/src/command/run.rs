@@ -125,14 +125,16 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<Exit> {
         (false, Some(path)) => println!("{path}"),
         (false, None) => {}
     }
-    Ok(match account {
-        _ if interrupted => Exit::Interrupted,
-        Account { unstored, failed, .. }
-            if !unstored.is_empty() || !failed.is_empty() || !told.stopped.is_empty() =>
-        {
-            Exit::CasesFailed
-        }
-        _ => Exit::Done,
+    let Account { unstored, failed, .. } = account;
+    Ok(if !unstored.is_empty() {
+        // Also where it was asked to stop: not all that was begun is put away.
+        Exit::CasesFailed
+    } else if interrupted {
+        Exit::Interrupted
+    } else if !failed.is_empty() || !told.stopped.is_empty() {
+        Exit::CasesFailed
+    } else {
+        Exit::Done
     })
 }
 
