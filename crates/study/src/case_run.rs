@@ -7,7 +7,7 @@ use crate::checkpoint::CheckpointFile;
 use crate::keeper::{CaseKeeper, Limits, Pause};
 use crate::manifest::{CaseManifest, MANIFEST, Program, peak_memory};
 use crate::measure::measure;
-use crate::record::{Outcome, RunRecord};
+use crate::record::{Outcome, RunRecord, in_full};
 use crate::results::{Archive, metrics_file};
 use crate::run::{Ended, Observer, run_kept};
 use crate::spec::SpecError;
@@ -88,14 +88,35 @@ impl Archive<'_> {
     /// # Errors
     /// [`StoreError`].
     pub fn run(&self, index: usize, job: &Job, observer: &mut impl Observer) -> Result<CaseEnd, StoreError> {
-        let scene = &self.study.cases[index].scene;
         let folder = self.case_folder(index);
         let attempt = Attempt::begin(&folder)?;
         log(&folder, &format!("begins: {} on {} thread(s)", self.describe(index), job.threads));
+        let end = self.attempt(index, job, &attempt, observer);
+        match &end {
+            Ok(CaseEnd::Finished) => {}
+            Ok(_) => attempt.end(&folder)?,
+            Err(error) => {
+                log(&folder, &format!("ends: {}", in_full(error)));
+                // The first error is the one to tell.
+                let _ = attempt.end(&folder);
+            }
+        }
+        end
+    }
+
+    /// What is done between the marks.
+    fn attempt(
+        &self,
+        index: usize,
+        job: &Job,
+        attempt: &Attempt,
+        observer: &mut impl Observer,
+    ) -> Result<CaseEnd, StoreError> {
+        let folder = self.case_folder(index);
         // What a panic leaves half done is the observer's count of steps and files that no record vouches for.
-        let ended = catch_unwind(AssertUnwindSafe(|| match scene.dimension {
-            3 => self.run_in::<3>(index, job, &attempt, observer),
-            _ => self.run_in::<2>(index, job, &attempt, observer),
+        let ended = catch_unwind(AssertUnwindSafe(|| match self.study.cases[index].scene.dimension {
+            3 => self.run_in::<3>(index, job, attempt, observer),
+            _ => self.run_in::<2>(index, job, attempt, observer),
         }));
         let end = match ended {
             Ok(end) => end?,
@@ -110,9 +131,8 @@ impl Archive<'_> {
             CaseEnd::Finished => Attempt::clear(&folder)?,
             CaseEnd::Failed(outcome) => {
                 folder.write_json(FAILURE, &RunRecord::without_particles(outcome.clone()))?;
-                Attempt::end(&folder)?;
             }
-            CaseEnd::Interrupted => Attempt::end(&folder)?,
+            CaseEnd::Interrupted => {}
         }
         Ok(end)
     }

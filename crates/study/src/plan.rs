@@ -128,7 +128,7 @@ impl State {
                 format!("process {process} on {host} since {began}")
             }
             State::Running { attempt: None } => "somebody is at work on it".into(),
-            State::Killed { attempt: Attempt { number, host, process, began } } => format!(
+            State::Killed { attempt: Attempt { number, host, process, began, .. } } => format!(
                 "process {process} on {host}, begun {began}, was killed on the way (attempt {number}); if memory was short, \
                  `--jobs 1` takes less"
             ),
@@ -194,7 +194,7 @@ fn unfinished(
     if !folder.path().is_dir() {
         return strangers.version_of(archive, index).map_or(State::New, |version| State::Stale { version });
     }
-    let attempt = Attempt::left(folder);
+    let attempt = Attempt::not_ended(folder);
     if Attempt::is_running(folder) {
         return State::Running { attempt };
     }

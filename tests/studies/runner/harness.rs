@@ -3,7 +3,8 @@
 use serde_json::Value;
 use snowlab_study::attempt::Attempt;
 use snowlab_study::manifest::{CaseManifest, MANIFEST};
-use snowlab_study::store::{Asked, CASE, seal, unseal};
+use snowlab_study::spec::study::DEFAULT_PROFILE;
+use snowlab_study::store::{Asked, CASE, Store, seal, unseal};
 
 use super::{ARMS, Desk, STOPPING_ARM, study};
 
@@ -40,8 +41,29 @@ fn a_case_goes_on_from_its_checkpoint_to_the_same_bytes() {
     {
         assert!(&resumed[path] == bytes, "{}", path.display());
     }
-    let log = desk.read(&format!("results/tiny/cases/{}/log.txt", folders(&desk)[0]));
+    let key = &folders(&desk)[0];
+    let manifest = desk.read(&format!("results/tiny/cases/{key}/{MANIFEST}"));
+    let manifest: CaseManifest = unseal(key, manifest.as_bytes()).unwrap();
+    assert_eq!(manifest.attempts, 2);
+    let log = desk.read(&format!("results/tiny/cases/{key}/log.txt"));
+    assert!(!log.contains("was killed"), "{log}");
     assert!(log.contains("goes on at ") && log.ends_with("finished\n"), "{log}");
+}
+
+/// What befell a case last is told, not what befell it before.
+#[test]
+fn a_kill_is_told_of_a_case_that_had_failed() {
+    let desk = Desk::with(&[("study.toml", &study(ARMS))]);
+    desk.expect(3, "run study.toml --index 0 --step-limit 20");
+    assert!(desk.expect(3, "status study.toml").contains("1 failed, 5 new"));
+    // A runner that begins and is killed.
+    let key = folders(&desk)[0].clone();
+    Attempt::begin(&Store::new(&desk.path("results"), "tiny", DEFAULT_PROFILE).case(&key)).unwrap();
+    let status = desk.expect(3, "status study.toml");
+    assert!(status.contains("1 killed, 5 new") && status.contains("(attempt 2)"), "{status}");
+    desk.expect(0, "run study.toml --index 0");
+    let log = desk.read(&format!("results/tiny/cases/{key}/log.txt"));
+    assert_eq!(log.matches("was killed on the way").count(), 1, "{log}");
 }
 
 #[test]
@@ -73,6 +95,8 @@ fn a_checkpoint_that_cannot_be_written_is_told() {
         Some(0)
     ]);
     assert!(printed.contains("checkpoint.bin: cannot be written or read"), "{printed}");
+    let status = desk.expect(0, "status study.toml");
+    assert!(!status.contains("killed"), "it has ended: {status}");
     // Where it can go on it does, and says so once.
     let printed = desk.expect(3, "run study.toml --index 0 --checkpoint-every 0s");
     assert_eq!(printed.matches("cannot be put away, goes on: ").count(), 1, "{printed}");

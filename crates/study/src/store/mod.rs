@@ -8,7 +8,7 @@
 //!                           metrics-<k>.json   fragments, by the key of the measurement
 //!                           log.txt        what happened when
 //!                           lock           held by who runs the case
-//!            while it runs: attempt.json   who runs it: what is left of one who was killed
+//!       until it is finished: attempt.json   who runs it, or did last: one who was killed has not ended
 //!                           checkpoint.bin where it goes on
 //!            where it failed for no fault of its own:
 //!                           failure.json   why: such a case is run again
