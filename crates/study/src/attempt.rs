@@ -14,6 +14,9 @@ pub const MARK: &str = "attempt.json";
 /// Name of the log.
 pub const LOG: &str = "log.txt";
 
+/// What is of use only until a case is finished.
+pub const PASSING: [&str; 3] = [CheckpointFile::NAME, FAILURE, MARK];
+
 /// Somebody at work on a case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Attempt {
@@ -66,7 +69,12 @@ impl Attempt {
     /// # Errors
     /// [`StoreError::Io`].
     pub fn clear(folder: &CaseFolder) -> Result<(), StoreError> {
-        [CheckpointFile::NAME, FAILURE, MARK].iter().try_for_each(|name| folder.remove(name))
+        PASSING.iter().try_for_each(|name| folder.remove(name))
+    }
+
+    /// Whether there is any of that.
+    pub fn has_left(folder: &CaseFolder) -> bool {
+        PASSING.iter().any(|name| folder.path().join(name).exists())
     }
 
     /// The mark of the latest attempt in a case's folder. One that cannot be read says nothing.

@@ -11,7 +11,7 @@ use crate::record::{Outcome, RunRecord, in_full};
 use crate::results::{Archive, metrics_file};
 use crate::run::{Ended, Observer, run_kept};
 use crate::spec::SpecError;
-use crate::store::{Asked, CASE, FAILURE, SOLVER_VERSION, StoreError};
+use crate::store::{CASE, FAILURE, StoreError};
 
 /// How a case is to be run.
 #[derive(Clone, Copy, Debug)]
@@ -149,9 +149,7 @@ impl Archive<'_> {
         if let Some(message) = self.changed_input(index) {
             return Ok(CaseEnd::Failed(Outcome::failed("input", message)));
         }
-        let scene_key = self.scene_key(index).unwrap_or_default();
-        folder
-            .write_json(CASE, &Asked { solver_version: SOLVER_VERSION, scene_key, scene: scene.clone() })?;
+        folder.write_json(CASE, &self.asked(index))?;
         let mut keeper = CaseKeeper::new(&folder, self.key(index), job.limits);
         let ended = run_kept::<D>(scene, self.folder, job.threads, observer, &mut keeper);
         if let Some(message) = self.changed_input(index) {

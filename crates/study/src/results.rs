@@ -5,13 +5,16 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use crate::assemble::engine;
+use crate::manifest::{CaseManifest, MANIFEST};
 use crate::measure::{Metrics, measure};
 use crate::metrics::MetricError;
 use crate::record::{Outcome, RunRecord, in_full};
 use crate::spec::scene::{EngineName, PlacementSpec};
 use crate::spec::study::MeasureSpec;
 use crate::spec::{SceneSpec, SpecError};
-use crate::store::{CaseFolder, Store, StoreError, case_key, metric_key, scene_key};
+use crate::store::{
+    Asked, CASE, CaseFolder, SOLVER_VERSION, Store, StoreError, case_key, metric_key, scene_key,
+};
 use crate::sweep::{Case, Study};
 
 /// A case with its results.
@@ -187,6 +190,36 @@ impl<'a> Archive<'a> {
         self.case_folder(index).read_json::<Metrics>(&metrics_file(&self.study.measure)).map(|_| ())
     }
 
+    /// What was asked of case number `index`, as it stands in its folder.
+    pub(crate) fn asked(&self, index: usize) -> Asked {
+        let scene = self.study.cases[index].scene.clone();
+        let scene_key = self.scene_key(index).unwrap_or_default();
+        Asked { solver_version: SOLVER_VERSION, scene_key, scene }
+    }
+
+    /// Makes anew what follows from scene, frames and `record` of finished case number `index`, where it is damaged; a damaged manifest goes, for
+    /// nothing else knows who ran the case. False where the frames are: they take another run.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`].
+    pub(crate) fn mend(&self, index: usize, record: &RunRecord) -> Result<bool, StoreError> {
+        let folder = self.case_folder(index);
+        if record.was_built() && is_damaged(folder.check_frames())? {
+            return Ok(false);
+        }
+        if is_damaged(self.check_metrics(index))? {
+            // A run that could be measured can be again.
+            let _ = self.metrics(&folder, &self.study.cases[index].scene, record)?;
+        }
+        if is_damaged(folder.read_json::<Asked>(CASE))? {
+            folder.write_json(CASE, &self.asked(index))?;
+        }
+        if is_damaged(folder.read_json::<CaseManifest>(MANIFEST))? {
+            folder.remove(MANIFEST)?;
+        }
+        Ok(true)
+    }
+
     fn metrics(
         &self,
         folder: &CaseFolder,
@@ -207,6 +240,14 @@ impl<'a> Archive<'a> {
             folder.write_json(&name, metrics)?;
         }
         Ok(metrics)
+    }
+}
+
+fn is_damaged<V>(read: Result<V, StoreError>) -> Result<bool, StoreError> {
+    match read {
+        Ok(_) => Ok(false),
+        Err(StoreError::Damaged { .. }) => Ok(true),
+        Err(error) => Err(error),
     }
 }
 

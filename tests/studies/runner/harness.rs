@@ -205,7 +205,8 @@ fn what_no_case_needs_is_listed_and_goes_on_demand() {
     assert!(desk.expect(0, "gc study.toml").starts_with("0 files and folders"));
     desk.write("results/tiny/cases/notes.txt", "of the user");
     let first = folders(&desk)[0].clone();
-    desk.write(&format!("results/tiny/cases/{first}/.unfinished-a1b2"), "half a file");
+    let halves = [&format!("cases/{first}/"), "", "quick/"].map(|name| format!("results/tiny/{name}.unfinished-a1b2"));
+    halves.iter().for_each(|half| desk.write(half, "half a file"));
     desk.write("study.toml", &text.replace("count = 2", "count = 1"));
     let listed = desk.expect(0, "gc study.toml");
     assert!(
@@ -217,7 +218,7 @@ fn what_no_case_needs_is_listed_and_goes_on_demand() {
     assert_eq!(folders(&desk).len(), before, "listing deletes nothing");
     desk.expect(0, "gc study.toml --delete");
     assert_eq!(folders(&desk).len(), 7, "three cases of two profiles, and the user's notes");
-    assert!(!desk.path(&format!("results/tiny/cases/{first}/.unfinished-a1b2")).exists());
+    assert!(halves.iter().all(|half| !desk.path(half).exists()));
     desk.expect(0, "gc study.toml --all --delete");
     assert_eq!(folders(&desk), ["notes.txt"]);
     assert!(desk.path("results/tiny/cases.csv").exists(), "tables stay");

@@ -9,16 +9,14 @@ use clap::Args;
 use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag::{register, register_conditional_shutdown};
-use snowlab_study::attempt::Attempt;
 use snowlab_study::cost::costs;
 use snowlab_study::keeper::{CHECKPOINT_INTERVAL, Limits};
 use snowlab_study::manifest::Program;
 use snowlab_study::memory;
-use snowlab_study::plan::{Look, State, Status, statuses};
+use snowlab_study::plan::{Look, State, Status, statuses_of};
 use snowlab_study::record::in_full;
 use snowlab_study::results::Archive;
-use snowlab_study::schedule::{Account, Orders, run_cases};
-use snowlab_study::store::RUN;
+use snowlab_study::schedule::{Account, Orders, Task, run_cases, tidy};
 
 use super::collect::collect_tables;
 use super::opened::{Opened, StudyArguments, largest, use_study};
@@ -96,14 +94,25 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<Exit> {
     let Opened { study, text } = arguments.study.open()?;
     let archive = arguments.study.archive(&study)?;
     let _lock = use_study(&archive)?;
+    let chosen = arguments.chosen(&archive)?;
     let look = if arguments.repair { Look::Everything } else { Look::Records };
-    let statuses = statuses(&archive, look);
-    let numbers = arguments.numbers(&archive, &statuses)?;
-    eprintln!("{}: {} cases, {} to run", study.spec.name, study.cases.len(), numbers.len());
-    clear_records(&archive, &statuses, &numbers)?;
+    let (done, to_run): (Vec<Status>, Vec<Status>) =
+        statuses_of(&archive, &chosen, look).into_iter().partition(|status| !arguments.takes(&status.state));
+    eprintln!("{}: {} cases, {} to run", study.spec.name, study.cases.len(), to_run.len());
+    done.iter().filter(|s| s.state.is_done()).try_for_each(|status| tidy(&archive, status.index))?;
+    for Status { index, state, .. } in &to_run {
+        let what = match state {
+            State::Damaged { .. } => "is made anew",
+            State::Stopped { .. } => "is run again",
+            _ => continue,
+        };
+        eprintln!("{} {what}: {}", archive.describe(*index), state.why());
+    }
+    let numbers: Vec<usize> = to_run.iter().map(|status| status.index).collect();
     let orders = arguments.orders(&archive, &numbers)?;
-    let work: Vec<f64> = costs(&archive, &statuses, false).iter().map(|cost| cost.seconds).collect();
-    let account = run_cases(&archive, &numbers, &work, &orders, &Bar::new(&archive, numbers.len()));
+    let costs = costs(&archive, &to_run, false);
+    let tasks = to_run.into_iter().zip(costs).map(|(status, cost)| Task { status, work: cost.seconds });
+    let account = run_cases(&archive, tasks.collect(), &orders, &Bar::new(&archive, numbers.len()));
     let interrupted = orders.limits.stop.load(Ordering::Relaxed);
     if interrupted {
         eprintln!(
@@ -143,9 +152,9 @@ impl RunArguments {
         self.case.is_empty() && self.index.is_none() && self.shard.is_none()
     }
 
-    /// Numbers of the cases to run.
-    fn numbers(&self, archive: &Archive, statuses: &[Status]) -> anyhow::Result<Vec<usize>> {
-        let count = statuses.len();
+    /// Numbers of the cases that are asked for, whatever there is of them.
+    fn chosen(&self, archive: &Archive) -> anyhow::Result<Vec<usize>> {
+        let count = archive.study.cases.len();
         let mut chosen: Vec<usize> = (0..count).collect();
         if !self.case.is_empty() {
             chosen = self.case.iter().map(|key| by_key(archive, key)).collect::<Result<_, _>>()?;
@@ -159,11 +168,12 @@ impl RunArguments {
         if let Some((part, parts)) = self.shard {
             chosen.retain(|i| i % parts == part - 1);
         }
-        chosen.retain(|&i| match self.failed {
-            true => statuses[i].state.has_failed(),
-            false => !statuses[i].state.is_done(),
-        });
         Ok(chosen)
+    }
+
+    /// Whether a case of which there is that is to be run.
+    fn takes(&self, state: &State) -> bool {
+        if self.failed { state.has_failed() } else { !state.is_done() }
     }
 
     fn orders(&self, archive: &Archive, numbers: &[usize]) -> anyhow::Result<Orders> {
@@ -215,21 +225,6 @@ impl RunArguments {
             tables: None,
         }
     }
-}
-
-/// Takes the records of finished runs out of the way of cases that are run again, and says why; and what killed runners have left of finished cases.
-fn clear_records(archive: &Archive, statuses: &[Status], numbers: &[usize]) -> anyhow::Result<()> {
-    for status in statuses.iter().filter(|status| status.state.is_done()) {
-        Attempt::clear(&archive.case_folder(status.index))?;
-    }
-    for &index in numbers {
-        let state = &statuses[index].state;
-        if matches!(state, State::Damaged { .. } | State::Stopped { .. }) {
-            eprintln!("{} is run again: {}", archive.describe(index), state.why());
-            archive.case_folder(index).remove(RUN)?;
-        }
-    }
-    Ok(())
 }
 
 /// The number of the one case whose key begins with `key`.

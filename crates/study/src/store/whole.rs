@@ -45,7 +45,7 @@ pub fn write_whole_with(
 }
 
 /// How the names of files begin that are not yet whole: what is left of them where a runner was killed may be deleted.
-pub const TEMPORARY: &str = ".unfinished-";
+const TEMPORARY: &str = ".unfinished-";
 
 /// Writes a file that follows from the case alone: where it is there already it must have the same bytes, and stays.
 ///
@@ -73,6 +73,26 @@ pub fn read_whole(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(source) => Err(StoreError::Io { path: path.into(), source }),
     }
+}
+
+/// Deletes what writers have left in a folder who were killed: nobody else may be writing to it now.
+///
+/// # Errors
+/// [`StoreError::Io`].
+pub fn sweep(folder: &Path) -> Result<(), StoreError> {
+    let failed = |source| StoreError::Io { path: folder.into(), source };
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        if is_temporary(&path) {
+            remove(&path)?;
+        }
+    }
+    Ok(())
+}
+
+/// Whether a file has the name of one that is not yet whole.
+pub fn is_temporary(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(TEMPORARY))
 }
 
 /// Deletes a file that may not be there.
