@@ -130,14 +130,25 @@ fn of_group() -> Option<f64> {
     let mut least = None;
     // A group has no more than those it lies in.
     loop {
-        let number = |name: &str| read(folder.join(name).to_str()?)?.trim().parse::<f64>().ok();
-        if let (Some(most), Some(used)) = (number("memory.max"), number("memory.current")) {
-            least = Some((most - used).max(0.0).min(least.unwrap_or(f64::INFINITY)));
+        if let Some(free) = free_in(&folder) {
+            least = Some(free.min(least.unwrap_or(f64::INFINITY)));
         }
         if folder == Path::new("/sys/fs/cgroup") || !folder.pop() {
             return least;
         }
     }
+}
+
+/// What a control group may still take [bytes], by the files in its folder; `None` where it has no limit. Pages of files that have not been used lately count
+/// as used there, but go when memory is asked for.
+fn free_in(group: &Path) -> Option<f64> {
+    let text = |name: &str| read(group.join(name).to_str()?);
+    let number = |name: &str| text(name)?.trim().parse::<f64>().ok();
+    let cache = text("memory.stat").and_then(|text| {
+        text.lines().find_map(|line| line.strip_prefix("inactive_file ")?.trim().parse::<f64>().ok())
+    });
+    let used = number("memory.current")? - cache.unwrap_or(0.0);
+    Some((number("memory.max")? - used.max(0.0)).max(0.0))
 }
 
 fn of_address_space() -> Option<f64> {
@@ -160,4 +171,22 @@ fn kilobytes(text: &str, name: &str) -> Option<f64> {
 /// `340 MB`, `2.1 GB`.
 pub fn in_words(bytes: f64) -> String {
     if bytes < 1e9 { format!("{:.0} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_group_whose_memory_is_full_of_file_pages_has_room() {
+        let group = tempfile::tempdir().expect("a folder for the test");
+        let write = |name: &str, text: &str| std::fs::write(group.path().join(name), text).expect("a file");
+        write("memory.max", "max\n");
+        write("memory.current", "4000000000\n");
+        assert_eq!(free_in(group.path()), None, "no limit");
+        write("memory.max", "4000000000\n");
+        assert_eq!(free_in(group.path()), Some(0.0));
+        write("memory.stat", "anon 500000000\nactive_file 500000000\ninactive_file 3000000000\n");
+        assert_eq!(free_in(group.path()), Some(3e9));
+    }
 }
