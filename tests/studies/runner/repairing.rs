@@ -63,8 +63,11 @@ fn a_record_that_cannot_be_read_is_not_deleted() {
     std::os::unix::fs::symlink("run.json", &run).unwrap();
     let status = desk.expect(3, "status study.toml");
     assert!(status.contains("1 unreadable") && status.contains("check space and permissions"), "{status}");
-    let printed = desk.expect(3, "run study.toml");
+    let printed = desk.expect(3, "run study.toml --json");
     assert!(printed.contains("run.json: cannot be written or read"), "{printed}");
+    assert!(printed.contains("the tables are not written: "), "{printed}");
+    let told: serde_json::Value = serde_json::Deserializer::from_str(&printed).into_iter().next().unwrap().unwrap();
+    assert_eq!([told["unstored"].as_array().map(Vec::len), told["tables"].as_array().map(Vec::len)], [Some(1), None]);
     assert!(run.is_symlink(), "it stays as it was");
     std::fs::rename(folder.join("aside"), &run).unwrap();
     assert!(desk.expect(0, "run study.toml").contains("0 to run"));

@@ -86,6 +86,7 @@ struct Outcome<'a> {
     left: usize,
     seconds: f64,
     tables: Option<String>,
+    tables_failed: Option<String>,
 }
 
 /// Runs what is missing and writes the tables. Cases that stopped, now or before, are told by the exit code.
@@ -123,9 +124,11 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<Exit> {
     let whole = arguments.is_of_the_whole_study() && !interrupted;
     let mut told = arguments.told(&archive, &account, began);
     if whole {
-        let collected = collect_tables(&archive, &text, &[])?;
-        told.stopped = collected.stopped;
-        told.tables = Some(collected.path);
+        match collect_tables(&archive, &text, &[]) {
+            Ok(collected) => (told.stopped, told.tables) = (collected.stopped, Some(collected.path)),
+            // What was run is told all the same.
+            Err(error) => told.tables_failed = Some(format!("{error:#}")),
+        }
     } else {
         told.stopped.extend(numbers.iter().filter(|&&i| archive.stopped(i)).map(|&i| archive.describe(i)));
     }
@@ -134,8 +137,11 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<Exit> {
         (false, Some(path)) => println!("{path}"),
         (false, None) => {}
     }
+    if let Some(failure) = &told.tables_failed {
+        eprintln!("the tables are not written: {failure}");
+    }
     let Account { unstored, failed, .. } = account;
-    Ok(if !unstored.is_empty() {
+    Ok(if !unstored.is_empty() || told.tables_failed.is_some() {
         // Also where it was asked to stop: not all that was begun is put away.
         Exit::CasesFailed
     } else if interrupted {
@@ -223,6 +229,7 @@ impl RunArguments {
             left: account.left,
             seconds: began.elapsed().as_secs_f64(),
             tables: None,
+            tables_failed: None,
         }
     }
 }
