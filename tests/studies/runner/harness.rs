@@ -4,7 +4,7 @@ use serde_json::Value;
 use snowlab_study::attempt::Attempt;
 use snowlab_study::manifest::{CaseManifest, MANIFEST};
 use snowlab_study::spec::study::DEFAULT_PROFILE;
-use snowlab_study::store::{Asked, CASE, Store, seal, unseal};
+use snowlab_study::store::{Asked, CASE, Hold, Lock, Store, seal, unseal};
 
 use super::{ARMS, Desk, STOPPING_ARM, study};
 
@@ -225,6 +225,24 @@ fn what_no_case_needs_is_listed_and_goes_on_demand() {
     desk.expect(0, "gc study.toml --all --delete");
     assert_eq!(folders(&desk), ["notes.txt"]);
     assert!(desk.path("results/tiny/cases.csv").exists(), "tables stay");
+}
+
+/// One who lists keeps nobody out; one who deletes is waited for.
+#[test]
+fn runners_wait_for_who_clears_the_study() {
+    let desk = Desk::with(&[("study.toml", &study(ARMS))]);
+    desk.expect(0, "gc study.toml");
+    let path = desk.path("results/tiny/lock");
+    assert!(!path.exists(), "a list takes no lock");
+    let lock = Lock::take(&path, Hold::Alone).unwrap().expect("free");
+    let waiting = std::thread::spawn(move || {
+        std::thread::sleep(std::time::Duration::from_millis(500));
+        drop(lock);
+    });
+    desk.expect(0, "run study.toml --index 0");
+    waiting.join().unwrap();
+    let _lock = Lock::take(&path, Hold::Shared).unwrap().expect("free");
+    assert!(desk.expect(2, "gc study.toml --delete").contains("the study is in use; nothing is deleted"));
 }
 
 #[test]

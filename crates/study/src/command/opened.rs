@@ -1,6 +1,7 @@
 //! A study that a command works on.
 
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use snowlab_study::memory;
@@ -62,13 +63,24 @@ impl StudyArguments {
     }
 }
 
-/// Keeps others from clearing away what is in use.
+/// Time that a command waits for `gc` to end, and between two looks (chosen: a minute deletes the files of ten thousand cases from a disk).
+const LONGEST_WAIT: Duration = Duration::from_secs(60);
+const WAIT: Duration = Duration::from_millis(100);
+
+/// Keeps others from clearing away what is in use; waits for one who is at it.
 pub fn use_study(archive: &Archive) -> anyhow::Result<Lock> {
-    let path = archive.store.lock();
-    let lock = Lock::take(&path, Hold::Shared)?;
-    lock.ok_or_else(|| {
-        anyhow::anyhow!("{}: `snowlab gc` is clearing the study; try again when it is done", path.display())
-    })
+    let (path, began) = (archive.store.lock(), Instant::now());
+    loop {
+        if let Some(lock) = Lock::take(&path, Hold::Shared)? {
+            return Ok(lock);
+        }
+        anyhow::ensure!(
+            began.elapsed() < LONGEST_WAIT,
+            "{}: `snowlab gc` is clearing the study; try again when it is done",
+            path.display()
+        );
+        std::thread::sleep(WAIT);
+    }
 }
 
 /// Bytes of the largest of the cases of the given numbers.

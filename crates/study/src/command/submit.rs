@@ -10,7 +10,7 @@ use snowlab_study::memory;
 use snowlab_study::plan::{Look, State, statuses};
 use snowlab_study::slurm::{ArrayJob, Submission, Submitted, chunks, most_elements};
 
-use super::opened::{Opened, StudyArguments, duration, largest};
+use super::opened::{Opened, StudyArguments, duration, largest, use_study};
 use super::{Exit, print_json};
 
 /// What runs the cases.
@@ -77,6 +77,7 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
     let Executor::Slurm = arguments.executor;
     let Opened { study, .. } = arguments.study.open()?;
     let archive = arguments.study.archive(&study)?;
+    let _lock = use_study(&archive)?;
     let statuses = statuses(&archive, Look::Records);
     let submission = Submission::of(&archive);
     let queued = submission.keys_queued();
