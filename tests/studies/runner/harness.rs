@@ -171,6 +171,19 @@ fn what_programs_read_is_json() {
     assert_eq!(json(&desk.expect(0, "gc study.toml --json"))["deleted"], false);
 }
 
+/// What is not known of one point of a sweep is not taken from another.
+#[test]
+fn each_point_of_a_sweep_is_tried() {
+    let sweep = "[[sweep]]\nname = \"count\"\npath = \"body.0.placement.count\"\nvalues = [300, 1200]\n";
+    let desk = Desk::with(&[("study.toml", &study(&["[[arm]]\nid = \"random\"\n", sweep].concat()))]);
+    let plan = json(&desk.expect(0, "plan study.toml --json --jobs 8"));
+    let steps = |case: usize| plan["cases"][case]["particle_steps"].as_f64().expect("a number");
+    assert_eq!([&plan["cases"][0]["axes"][0][1], &plan["cases"][2]["axes"][0][1]], [300.0, 1200.0]);
+    // Steps of the first one's length: particles of both have the same density and stiffness.
+    assert!((steps(2) / steps(0) - 4.0).abs() < 1e-6, "{} and {}", steps(0), steps(2));
+    assert_eq!([&plan["jobs"], &plan["threads"]], [4, 2], "as `run` shares eight cores among four cases");
+}
+
 #[test]
 fn results_of_several_programs_and_versions_are_told() {
     let desk = Desk::with(&[("study.toml", &study(ARMS))]);

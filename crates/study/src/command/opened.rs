@@ -88,6 +88,22 @@ pub fn largest(study: &Study, numbers: &[usize]) -> Option<f64> {
     numbers.iter().filter_map(|&index| memory::of_case(&study.cases[index].scene)).reduce(f64::max)
 }
 
+/// Cases of the given numbers at a time, and threads of each, where `jobs` and `threads` are asked for: no more than there is memory for.
+///
+/// # Errors
+/// Where not even one case fits.
+pub fn shares(
+    study: &Study,
+    numbers: &[usize],
+    jobs: Option<usize>,
+    threads: Option<usize>,
+) -> Result<(usize, usize), String> {
+    let cores = jobs.unwrap_or_else(super::cores).max(1);
+    let side_by_side = memory::side_by_side(largest(study, numbers), numbers.len(), cores)?;
+    // A thread for each of many cases keeps all cores busy; few cases share the cores.
+    Ok((side_by_side, threads.unwrap_or(cores / side_by_side).max(1)))
+}
+
 /// Why a case stopped, where it has.
 pub fn stopped(result: &CaseResult) -> Option<String> {
     match &result.record.outcome {

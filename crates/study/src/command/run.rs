@@ -9,17 +9,16 @@ use clap::Args;
 use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag::{register, register_conditional_shutdown};
-use snowlab_study::cost::costs;
+use snowlab_study::cost::{Effort, costs};
 use snowlab_study::keeper::{CHECKPOINT_INTERVAL, Limits};
 use snowlab_study::manifest::Program;
-use snowlab_study::memory;
 use snowlab_study::plan::{Look, State, Status, statuses_of};
 use snowlab_study::record::in_full;
 use snowlab_study::results::Archive;
 use snowlab_study::schedule::{Account, Orders, Task, run_cases, tidy};
 
 use super::collect::collect_tables;
-use super::opened::{Opened, StudyArguments, largest, use_study};
+use super::opened::{Opened, StudyArguments, shares, use_study};
 use super::progress::Bar;
 use super::{Exit, print_json};
 
@@ -97,23 +96,18 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<Exit> {
     let _lock = use_study(&archive)?;
     let chosen = arguments.chosen(&archive)?;
     let look = if arguments.repair { Look::Everything } else { Look::Records };
-    let (done, to_run): (Vec<Status>, Vec<Status>) =
-        statuses_of(&archive, &chosen, look).into_iter().partition(|status| !arguments.takes(&status.state));
-    eprintln!("{}: {} cases, {} to run", study.spec.name, study.cases.len(), to_run.len());
-    done.iter().filter(|s| s.state.is_done()).try_for_each(|status| tidy(&archive, status.index))?;
-    for Status { index, state, .. } in &to_run {
-        let what = match state {
-            State::Damaged { .. } => "is made anew",
-            State::Stopped { .. } => "is run again",
-            _ => continue,
-        };
-        eprintln!("{} {what}: {}", archive.describe(*index), state.why());
-    }
-    let numbers: Vec<usize> = to_run.iter().map(|status| status.index).collect();
+    let effort = if arguments.is_of_the_whole_study() { Effort::Table } else { Effort::Own };
+    let statuses = statuses_of(&archive, &chosen, look);
+    let costs = costs(&archive, &statuses, effort);
+    let tasks = statuses.into_iter().zip(costs).map(|(status, cost)| Task { status, work: cost.seconds });
+    let (tasks, rest): (Vec<Task>, Vec<Task>) = tasks.partition(|task| arguments.takes(&task.status.state));
+    eprintln!("{}: {} cases, {} to run", study.spec.name, study.cases.len(), tasks.len());
+    let done = rest.iter().filter(|task| task.status.state.is_done());
+    done.map(|task| task.status.index).try_for_each(|index| tidy(&archive, index))?;
+    tasks.iter().filter_map(|task| done_again(&archive, &task.status)).for_each(|line| eprintln!("{line}"));
+    let numbers: Vec<usize> = tasks.iter().map(|task| task.status.index).collect();
     let orders = arguments.orders(&archive, &numbers)?;
-    let costs = costs(&archive, &to_run, false);
-    let tasks = to_run.into_iter().zip(costs).map(|(status, cost)| Task { status, work: cost.seconds });
-    let account = run_cases(&archive, tasks.collect(), &orders, &Bar::new(&archive, numbers.len()));
+    let account = run_cases(&archive, tasks, &orders, &Bar::new(&archive, numbers.len()));
     let interrupted = orders.limits.stop.load(Ordering::Relaxed);
     if interrupted {
         eprintln!(
@@ -183,10 +177,9 @@ impl RunArguments {
     }
 
     fn orders(&self, archive: &Archive, numbers: &[usize]) -> anyhow::Result<Orders> {
-        let cores = self.jobs.unwrap_or_else(super::cores).max(1);
-        let side_by_side = memory::side_by_side(largest(archive.study, numbers), numbers.len(), cores)
-            .map_err(anyhow::Error::msg)?;
-        if side_by_side < cores.min(numbers.len()) {
+        let (side_by_side, threads) =
+            shares(archive.study, numbers, self.jobs, self.threads_per_case).map_err(anyhow::Error::msg)?;
+        if side_by_side < self.jobs.unwrap_or_else(super::cores).min(numbers.len()) {
             eprintln!("memory is free for {side_by_side} cases at a time");
         }
         let limits = Limits {
@@ -204,8 +197,7 @@ impl RunArguments {
         }
         Ok(Orders {
             side_by_side,
-            // A thread for each of many cases keeps all cores busy; few cases share the cores.
-            threads: self.threads_per_case.unwrap_or(cores / side_by_side).max(1),
+            threads,
             fail_fast: self.fail_fast,
             limits,
             program: Program::this(archive.folder),
@@ -232,6 +224,16 @@ impl RunArguments {
             tables_failed: None,
         }
     }
+}
+
+/// What is told of a case that has been run before.
+fn done_again(archive: &Archive, Status { index, state, .. }: &Status) -> Option<String> {
+    let what = match state {
+        State::Damaged { .. } => "is made anew",
+        State::Stopped { .. } => "is run again",
+        _ => return None,
+    };
+    Some(format!("{} {what}: {}", archive.describe(*index), state.why()))
 }
 
 /// The number of the one case whose key begins with `key`.

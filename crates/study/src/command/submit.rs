@@ -5,12 +5,12 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use snowlab_study::attempt::now;
-use snowlab_study::cost::costs;
+use snowlab_study::cost::{Effort, costs};
 use snowlab_study::memory;
 use snowlab_study::plan::{Look, State, statuses};
 use snowlab_study::slurm::{ArrayJob, Submission, Submitted, chunks, most_elements};
 
-use super::opened::{Opened, StudyArguments, duration, largest, use_study};
+use super::opened::{Opened, StudyArguments, duration, use_study};
 use super::{Exit, print_json};
 
 /// What runs the cases.
@@ -57,7 +57,7 @@ const TIME_FACTOR: f64 = 3.0;
 const TIME_START: f64 = 600.0;
 /// Memory over its prediction, which is within 1.5 (docs/performance.md).
 const MEMORY_FACTOR: f64 = 1.5;
-/// Where nothing is known of a case [bytes] (chosen: plenty for a million particles).
+/// Of a case whose particles a file has [bytes] (chosen: plenty for a million particles).
 const USUAL_MEMORY: f64 = 4e9;
 /// Elements of an array where the cluster does not tell: Slurm's own default is 1001, which it counts from 0.
 const MOST_ELEMENTS: usize = 1000;
@@ -95,7 +95,7 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
         println!("{}: {} cases, none to submit", study.spec.name, study.cases.len());
         return Ok(Exit::Done);
     }
-    let costs = costs(&archive, &statuses, false);
+    let costs = costs(&archive, &statuses, Effort::Trials);
     let seconds = |index: usize| costs[index].seconds / arguments.threads_per_case.max(1) as f64;
     let most = arguments.most_elements.or_else(|| most_elements().map(|n| n.saturating_sub(1)));
     let most = most.unwrap_or(MOST_ELEMENTS).max(1);
@@ -106,6 +106,7 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
         .iter()
         .map(|chunk| chunk.iter().map(|&index| archive.key(index).to_string()).collect())
         .collect();
+    let memory_of = |index: usize| memory::of_case(&study.cases[index].scene).unwrap_or(USUAL_MEMORY);
     let directory = std::env::current_dir()?;
     let program = match &arguments.program {
         Some(program) => program.clone(),
@@ -120,7 +121,7 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
         elements: &elements,
         threads: arguments.threads_per_case.max(1),
         seconds: TIME_FACTOR * longest + TIME_START,
-        memory: MEMORY_FACTOR * largest(&study, &numbers).unwrap_or(USUAL_MEMORY),
+        memory: MEMORY_FACTOR * numbers.iter().map(|&index| memory_of(index)).fold(0.0, f64::max),
     };
     let scripts = submission.write(&job)?;
     let submitted = match arguments.dry_run {
