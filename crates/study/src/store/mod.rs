@@ -22,7 +22,7 @@ mod whole;
 
 pub use lock::{Hold, Lock};
 pub use whole::{
-    Hashing, is_temporary, read_whole, remove, seal, sign, sweep, unseal, verify, write_once, write_whole,
+    Hashing, is_temporary, put_whole, read_whole, remove, seal, sign, sweep, unseal, verify, write_once, write_whole,
     write_whole_with,
 };
 
