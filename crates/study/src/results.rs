@@ -84,10 +84,11 @@ impl<'a> Archive<'a> {
     /// A particle file that cannot be read.
     pub fn open(study: &'a Study, out: &Path, folder: &'a Path) -> Result<Self, CaseError> {
         let store = Store::new(out, &study.spec.name, &study.profile);
+        let mut inputs = Inputs::default();
         let keys = study
             .cases
             .iter()
-            .map(|case| key_of(&case.scene, folder))
+            .map(|case| Ok(key_of(&case.scene, inputs.of(&case.scene, folder)?)))
             .collect::<Result<Vec<_>, SpecError>>()?;
         Ok(Archive { study, store, folder, keys })
     }
@@ -125,7 +126,7 @@ impl<'a> Archive<'a> {
     /// A particle file that cannot be read.
     pub fn scene_key(&self, index: usize) -> Result<String, SpecError> {
         let scene = &self.study.cases[index].scene;
-        Ok(scene_key(scene, &inputs_of(scene, self.folder)?))
+        Ok(scene_key(scene, Inputs::default().of(scene, self.folder)?))
     }
 
     /// Why case number `index` is not now what its key names: a particle file of its scene has changed since the keys were looked up, or cannot be
@@ -135,8 +136,8 @@ impl<'a> Archive<'a> {
         if particle_files(scene).next().is_none() {
             return None;
         }
-        match key_of(scene, self.folder) {
-            Ok(key) if key == self.keys[index] => None,
+        match Inputs::default().of(scene, self.folder) {
+            Ok(inputs) if key_of(scene, inputs) == self.keys[index] => None,
             Ok(_) => Some("a particle file of its scene was changed after the study was opened; run it again".into()),
             Err(error) => Some(in_full(&error)),
         }
@@ -256,13 +257,25 @@ pub(crate) fn metrics_file(measure: &MeasureSpec) -> String {
     format!("metrics-{}.json", metric_key(measure))
 }
 
-/// The contents of the particle files that a scene names.
-fn inputs_of(scene: &SceneSpec, folder: &Path) -> Result<Vec<Vec<u8>>, SpecError> {
-    let read = |path: &str| {
-        let path = folder.join(path);
-        std::fs::read(&path).map_err(|source| SpecError::Read { path, source })
-    };
-    particle_files(scene).map(read).collect()
+/// The contents of the particle files of the scene that was asked for last: most cases of a study have those of the one before.
+#[derive(Default)]
+struct Inputs {
+    paths: Vec<String>,
+    contents: Vec<Vec<u8>>,
+}
+
+impl Inputs {
+    fn of(&mut self, scene: &SceneSpec, folder: &Path) -> Result<&[Vec<u8>], SpecError> {
+        if !particle_files(scene).eq(&self.paths) {
+            let read = |path: &str| {
+                let path = folder.join(path);
+                std::fs::read(&path).map_err(|source| SpecError::Read { path, source })
+            };
+            self.contents = particle_files(scene).map(read).collect::<Result<_, _>>()?;
+            self.paths = particle_files(scene).map(String::from).collect();
+        }
+        Ok(&self.contents)
+    }
 }
 
 /// The particle files that a scene names, in its order.
@@ -274,12 +287,36 @@ fn particle_files(scene: &SceneSpec) -> impl Iterator<Item = &str> {
 }
 
 /// The key of a scene, with the contents of its particle files.
-fn key_of(scene: &SceneSpec, folder: &Path) -> Result<String, SpecError> {
-    let inputs = inputs_of(scene, folder)?;
+fn key_of(scene: &SceneSpec, inputs: &[Vec<u8>]) -> String {
     // The engine that will run is the one that counts: a CPU may not have what the fast one takes.
     let mut scene = scene.clone();
     if !engine(scene.numerics.engine).is_available() {
         scene.numerics.engine = EngineName::Reference;
     }
-    Ok(case_key(&scene, &inputs))
+    case_key(&scene, inputs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec;
+
+    #[test]
+    fn a_file_of_many_cases_is_read_once() {
+        let folder = tempfile::tempdir().expect("a folder for the test");
+        let scene = |file: &str| -> SceneSpec {
+            let body = format!("placement = {{ kind = \"file\", path = \"{file}\", filled_volume = 1.0 }}");
+            let rest = "[output]\nframe_interval = 0.1\nend = 0.2\n";
+            spec::parse(&format!("[numerics]\nspacing = 0.1\n[[body]]\n{body}\n{rest}")).expect("a scene")
+        };
+        let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("a file");
+        let mut inputs = Inputs::default();
+        write("one.csv", "1");
+        write("two.csv", "2");
+        assert_eq!(inputs.of(&scene("one.csv"), folder.path()).expect("readable"), [b"1"]);
+        write("one.csv", "changed");
+        assert_eq!(inputs.of(&scene("one.csv"), folder.path()).expect("read before"), [b"1"]);
+        assert_eq!(inputs.of(&scene("two.csv"), folder.path()).expect("readable"), [b"2"]);
+        assert!(inputs.of(&scene("none.csv"), folder.path()).is_err());
+    }
 }
