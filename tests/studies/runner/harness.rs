@@ -193,10 +193,15 @@ fn results_of_several_programs_and_versions_are_told() {
     let mut manifest: CaseManifest = unseal(&key, &std::fs::read(&path).unwrap()).unwrap();
     assert_eq!((manifest.attempts, manifest.seed, manifest.threads), (1, 1, 1));
     manifest.program.digest = "another".into();
-    manifest.program.revision = Some("fedcba987654".into());
-    std::fs::write(&path, seal(&key, &manifest)).unwrap();
+    manifest.program.study_revision = Some("fedcba987654".into());
+    // As programs of before have named it.
+    let text = serde_json::to_string(&manifest).unwrap().replace("study_revision", "revision");
+    std::fs::write(&path, seal(&key, &serde_json::from_str::<Value>(&text).unwrap())).unwrap();
     let printed = desk.expect(0, "collect study.toml");
-    assert!(printed.contains("run by 2 programs") && printed.contains("fedcba987654"), "{printed}");
+    assert!(printed.contains("run by 2 programs") && printed.contains("another"), "{printed}");
+    assert!(printed.contains("`snowlab gc FILE --all --delete`"), "{printed}");
+    let tables: Value = serde_json::from_str(&desk.read("results/tiny/manifest.json")).unwrap();
+    assert_eq!(tables["study_revisions"], serde_json::json!(["fedcba987654"]));
 
     // A folder of the same scene by an older solver.
     let old = "0123456789abcdef0123";
