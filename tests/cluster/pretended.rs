@@ -60,7 +60,11 @@ fn whatever_a_scheduler_does_the_tables_are_those_of_a_local_run() {
     // Of elements that wait or run nothing is submitted a second time.
     std::fs::remove_dir_all(desk.path("results/tiny/cases")).unwrap();
     install(&desk, "sbatch", "#!/bin/sh\necho 4712\n");
-    install(&desk, "squeue", "#!/bin/sh\necho \"$@\" >> squeue.calls\nfor k in 0 1 2; do echo 4711_$k PENDING Priority; done\n");
+    install(
+        &desk,
+        "squeue",
+        "#!/bin/sh\necho \"$@\" >> squeue.calls\nfor k in 0 1 2; do echo 4711_$k PENDING Priority; done\n",
+    );
     let (code, printed) = snowlab("submit study.toml --element-time 0s");
     assert_eq!(code, Some(0), "{printed}");
     assert!(printed.contains("3 cases are left to elements that wait or run"), "{printed}");

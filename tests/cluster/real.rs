@@ -5,8 +5,8 @@ use std::process::Output;
 use std::time::Duration;
 
 use crate::desk::{Desk, study};
-use crate::{hold_tables, list_of};
 use crate::slurm::{Job, SAVE_DELAY, Slurm};
+use crate::{hold_tables, list_of};
 
 /// Time for any phase (chosen: the longest takes a minute on a free machine).
 const LIMIT: Duration = Duration::from_secs(300);

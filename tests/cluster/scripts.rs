@@ -22,6 +22,7 @@ fn the_scripts_are_those_of_the_page() {
         threads: 2,
         seconds: 3100.0,
         memory: 1.2e9,
+        collect_memory: 3.5e8,
     };
     assert_eq!(job.element_list(), "0123456789abcdef0123 123456789abcdef01234\n23456789abcdef012345\n");
     assert_eq!(job.array_script(), include_str!("array.sh"));

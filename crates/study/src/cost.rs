@@ -188,8 +188,7 @@ impl Trials<'_> {
         let began = Instant::now();
         let trial = try_out(&case.scene, self.archive).ok();
         self.time += began.elapsed();
-        self.over_rough
-            .extend(trial.map(|t| (t.nanoseconds, t.particle_steps / rough_steps(&case.scene))));
+        self.over_rough.extend(trial.map(|t| (t.nanoseconds, t.particle_steps / rough_steps(&case.scene))));
         self.found.insert(place, trial);
         trial
     }
@@ -232,8 +231,14 @@ fn try_steps<T: Real, const D: usize>(spec: &SceneSpec, archive: &Archive) -> Re
 fn radius(scene: &SceneSpec) -> f64 {
     let half = |extents: &[f64]| 0.5 * extents.iter().copied().fold(0.0, f64::max);
     let radius = scene.body[0].region.as_ref().and_then(|spec| match scene.dimension {
-        3 => region::<3>(spec, "region").map(|r| r.bounding_box()).map(|b| half((b.max - b.min).as_slice())).ok(),
-        _ => region::<2>(spec, "region").map(|r| r.bounding_box()).map(|b| half((b.max - b.min).as_slice())).ok(),
+        3 => region::<3>(spec, "region")
+            .map(|r| r.bounding_box())
+            .map(|b| half((b.max - b.min).as_slice()))
+            .ok(),
+        _ => region::<2>(spec, "region")
+            .map(|r| r.bounding_box())
+            .map(|b| half((b.max - b.min).as_slice()))
+            .ok(),
     });
     // chosen: a file's extent is not known before it is read.
     radius.unwrap_or(0.5)
@@ -277,6 +282,9 @@ mod tests {
     #[test]
     fn cases_fill_workers_longest_first_on_their_threads() {
         let costs = [4.0, 6.0, 2.0].map(|seconds| Cost { particle_steps: 1.0, seconds, basis: Basis::Case });
-        assert_eq!([(1, 1), (2, 1), (2, 2), (9, 1)].map(|(n, t)| wall_time(costs.iter(), n, t)), [12.0, 6.0, 3.0, 6.0]);
+        assert_eq!(
+            [(1, 1), (2, 1), (2, 2), (9, 1)].map(|(n, t)| wall_time(costs.iter(), n, t)),
+            [12.0, 6.0, 3.0, 6.0]
+        );
     }
 }

@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 use serde::{Deserialize, Serialize};
 
 use crate::attempt::host;
-use crate::results::Archive;
+use crate::results::{Archive, CaseResult};
 use crate::store::{METRIC_VERSION, SOLVER_VERSION, StoreError, write_whole};
 
 /// Name of the file, in a case's folder and in that of a study's tables.
@@ -116,15 +116,15 @@ impl Program {
 }
 
 impl StudyManifest {
-    /// Of the tables that are written now, from the manifests of the cases.
-    pub fn of(archive: &Archive, study_text: &str, program: Program, rows: usize) -> Self {
+    /// Of the tables of `results` that are written now.
+    pub fn of(archive: &Archive, study_text: &str, program: Program, results: &[CaseResult]) -> Self {
         let mut manifest = StudyManifest {
             study: archive.study.spec.name.clone(),
             profile: archive.study.profile.clone(),
             study_digest: blake3::hash(study_text.as_bytes()).to_hex()[..32].to_string(),
             program,
             cases: archive.study.cases.len(),
-            rows,
+            rows: results.len(),
             began: None,
             ended: None,
             case_seconds: 0.0,
@@ -132,10 +132,7 @@ impl StudyManifest {
             study_revisions: BTreeSet::new(),
             hosts: BTreeSet::new(),
         };
-        for index in 0..archive.study.cases.len() {
-            let Ok(Some(case)) = archive.case_folder(index).read_json::<CaseManifest>(MANIFEST) else {
-                continue;
-            };
+        for case in results.iter().filter_map(|result| result.manifest.clone()) {
             manifest.case_seconds += case.wall_seconds;
             // Times are written so that those of letters and of time are one order.
             let earlier = manifest.began.take().map_or(case.began.clone(), |began| began.min(case.began));

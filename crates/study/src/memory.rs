@@ -49,10 +49,9 @@ pub fn of_case(scene: &SceneSpec) -> Option<f64> {
     let nodes = MARGIN * (arrays + fields_of_solve) * 4.0 * number / per_cell;
     // Pairs within 2 h, four bytes each (metrics/bond_graph.rs): a disc's area or a ball's volume of particles, each pair once.
     let bonds = 4.0 * 0.5 * per_cell * if scene.dimension == 2 { 4.0 * PI } else { 32.0 / 3.0 * PI };
-    let frames = scene.output.end / scene.output.frame_interval + 2.0;
-    let frame = 4.0 * (d + 1.0);
+    let frames = frames(scene) * 4.0 * (d + 1.0);
     // A case is measured when its engine is gone.
-    Some(PROGRAM + particles * ((particle + nodes).max(bonds + MEASURED) + frames * frame))
+    Some(PROGRAM + particles * ((particle + nodes).max(bonds + MEASURED) + frames))
 }
 
 /// [`of_case`] of a run whose frames are written as text: two copies of the state wait to be written, and a frame's text.
@@ -61,6 +60,20 @@ pub fn of_simulation(scene: &SceneSpec) -> Option<f64> {
     let digits = 21.0;
     // A text grows by doubling.
     Some(of_case(scene)? + particles(scene)? * fields(scene) * (2.0 * bytes_of_number(scene) + 2.0 * digits))
+}
+
+/// Bytes of a case's row in the tables with its record, and of a row of `frames` with its ledgers (measured: 27 kB a case of four frames, of ten thousand).
+const ROW: f64 = 2e4;
+const FRAME_ROW: f64 = 3e3;
+
+/// Bytes that writing the tables of cases takes, from the frames of each ([`frames`]).
+pub fn of_tables(frames: impl Iterator<Item = f64>) -> f64 {
+    PROGRAM + frames.map(|frames| ROW + FRAME_ROW * frames).sum::<f64>()
+}
+
+/// Frames of a case, at most.
+pub fn frames(scene: &SceneSpec) -> f64 {
+    scene.output.end / scene.output.frame_interval + 2.0
 }
 
 /// How many there will be; `None` where a file has them.

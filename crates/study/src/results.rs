@@ -30,6 +30,8 @@ pub struct CaseResult {
     pub metrics: Option<Metrics>,
     /// Why it could not be measured.
     pub unmeasured: Option<MetricError>,
+    /// Who ran it and for how long; `None` where that is not there or cannot be read.
+    pub manifest: Option<CaseManifest>,
 }
 
 impl CaseResult {
@@ -138,7 +140,9 @@ impl<'a> Archive<'a> {
         }
         match Inputs::default().of(scene, self.folder) {
             Ok(inputs) if key_of(scene, inputs) == self.keys[index] => None,
-            Ok(_) => Some("a particle file of its scene was changed after the study was opened; run it again".into()),
+            Ok(_) => Some(
+                "a particle file of its scene was changed after the study was opened; run it again".into(),
+            ),
             Err(error) => Some(in_full(&error)),
         }
     }
@@ -168,7 +172,8 @@ impl<'a> Archive<'a> {
                 Err(error) => (None, Some(error)),
             },
         };
-        Ok(CaseResult { case, key, record, metrics, unmeasured })
+        let manifest = folder.read_json(MANIFEST).ok().flatten();
+        Ok(CaseResult { case, key, record, metrics, unmeasured, manifest })
     }
 
     /// The results of all cases that have left a record, that of a failure among them.

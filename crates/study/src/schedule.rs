@@ -165,7 +165,11 @@ impl<P: Progress> Shop<'_, P> {
             (Some(record), State::Damaged { .. }) => !self.archive.mend(then.index, record)?,
             _ => false,
         };
-        if has_to { folder.remove(RUN)? } else { Attempt::clear(&folder)? }
+        if has_to {
+            folder.remove(RUN)?
+        } else {
+            Attempt::clear(&folder)?
+        }
         Ok(has_to)
     }
 

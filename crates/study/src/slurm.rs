@@ -36,6 +36,8 @@ pub struct ArrayJob<'a> {
     pub seconds: f64,
     /// Memory that an element is allowed [bytes].
     pub memory: f64,
+    /// Memory that the job which collects is allowed [bytes].
+    pub collect_memory: f64,
 }
 
 /// Where a submission's files are.
@@ -124,7 +126,7 @@ impl ArrayJob<'_> {
     pub fn array_script(&self) -> String {
         let last = self.elements.len().saturating_sub(1);
         let minutes = (self.seconds / 60.0).ceil().max(1.0) as u64;
-        let megabytes = (self.memory / 1e6).ceil() as u64;
+        let megabytes = megabytes(self.memory);
         format!(
             "#!/bin/bash\n\
              #SBATCH --job-name={name}\n\
@@ -159,12 +161,14 @@ impl ArrayJob<'_> {
             "#!/bin/bash\n\
              #SBATCH --job-name={name}-collect\n\
              #SBATCH --cpus-per-task=1\n\
+             #SBATCH --mem={megabytes}M\n\
              #SBATCH --time=60\n\
              #SBATCH --open-mode=append\n\
              #SBATCH {log}\n\
              #SBATCH {directory}\n\
              exec {program} collect {study}\n",
             name = self.name,
+            megabytes = megabytes(self.collect_memory),
             log = self.option("--output", &self.folder.join("collect.log")),
             directory = self.option("--chdir", self.directory),
             program = quoted(self.program),
@@ -229,13 +233,18 @@ impl Submission {
 
     /// The jobs of its submissions that have not ended; `None` where there were none or `squeue` is not there.
     pub fn queued(&self) -> Option<Vec<Queued>> {
-        let jobs: Vec<String> =
-            self.submitted().into_iter().flat_map(|Submitted { array, collect, .. }| [array, collect]).collect();
+        let jobs: Vec<String> = self
+            .submitted()
+            .into_iter()
+            .flat_map(|Submitted { array, collect, .. }| [array, collect])
+            .collect();
         if jobs.is_empty() {
             return None;
         }
-        let output =
-            Command::new("squeue").args(["-h", "-r", "-o", "%i %T %r", "-j", &jobs.join(",")]).output().ok()?;
+        let output = Command::new("squeue")
+            .args(["-h", "-r", "-o", "%i %T %r", "-j", &jobs.join(",")])
+            .output()
+            .ok()?;
         let line = |line: &str| {
             let mut words = line.splitn(3, ' ').map(str::to_string);
             Some(Queued {
@@ -256,7 +265,8 @@ impl Submission {
             let list = std::fs::read_to_string(self.folder.join(list)).unwrap_or_default();
             let elements: Vec<&str> = list.lines().collect();
             for job in queued.iter().filter(|job| job.state != "COMPLETING") {
-                let element = job.job.strip_prefix(&array).and_then(|rest| rest.strip_prefix('_')?.parse().ok());
+                let element =
+                    job.job.strip_prefix(&array).and_then(|rest| rest.strip_prefix('_')?.parse().ok());
                 let own = element.and_then(|element: usize| elements.get(element));
                 keys.extend(own.into_iter().flat_map(|line| line.split_whitespace()).map(String::from));
             }
@@ -299,6 +309,10 @@ pub fn most_elements() -> Option<usize> {
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     let line = text.lines().find(|line| line.starts_with("MaxArraySize"))?;
     line.split('=').nth(1)?.trim().parse().ok()
+}
+
+fn megabytes(bytes: f64) -> u64 {
+    (bytes / 1e6).ceil() as u64
 }
 
 /// A word for a shell.

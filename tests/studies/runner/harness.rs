@@ -90,10 +90,10 @@ fn a_checkpoint_that_cannot_be_written_is_told() {
     // To stop without having put the case away is no pause.
     let printed = desk.expect(3, "run study.toml --index 0 --step-limit 20 --json");
     let run = json(&printed);
-    assert_eq!([run["unstored"].as_array().map(Vec::len), run["failed"].as_array().map(Vec::len)], [
-        Some(1),
-        Some(0)
-    ]);
+    assert_eq!(
+        [run["unstored"].as_array().map(Vec::len), run["failed"].as_array().map(Vec::len)],
+        [Some(1), Some(0)]
+    );
     assert!(printed.contains("checkpoint.bin: cannot be written or read"), "{printed}");
     let status = desk.expect(0, "status study.toml");
     assert!(!status.contains("killed"), "it has ended: {status}");
@@ -226,7 +226,8 @@ fn what_no_case_needs_is_listed_and_goes_on_demand() {
     assert!(desk.expect(0, "gc study.toml").starts_with("0 files and folders"));
     desk.write("results/tiny/cases/notes.txt", "of the user");
     let first = folders(&desk)[0].clone();
-    let halves = [&format!("cases/{first}/"), "", "quick/"].map(|name| format!("results/tiny/{name}.unfinished-a1b2"));
+    let halves =
+        [&format!("cases/{first}/"), "", "quick/"].map(|name| format!("results/tiny/{name}.unfinished-a1b2"));
     halves.iter().for_each(|half| desk.write(half, "half a file"));
     desk.write("study.toml", &text.replace("count = 2", "count = 1"));
     let listed = desk.expect(0, "gc study.toml");

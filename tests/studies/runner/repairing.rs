@@ -41,7 +41,10 @@ fn repairing_what_follows_from_a_run_runs_nothing() {
         std::fs::write(&path, &before[..before.len() / 2]).unwrap();
         assert!(desk.expect(3, "status study.toml").contains("1 damaged"));
         let printed = desk.expect(0, "run study.toml --repair");
-        assert!(printed.contains("random block 1 is made anew: ") && printed.contains("1 to run"), "{printed}");
+        assert!(
+            printed.contains("random block 1 is made anew: ") && printed.contains("1 to run"),
+            "{printed}"
+        );
         assert!(desk.expect(0, "status study.toml").contains("6 finished"));
         // Who ran the case is not known any more.
         let is_manifest = path.ends_with("manifest.json");
@@ -66,8 +69,12 @@ fn a_record_that_cannot_be_read_is_not_deleted() {
     let printed = desk.expect(3, "run study.toml --json");
     assert!(printed.contains("run.json: cannot be written or read"), "{printed}");
     assert!(printed.contains("the tables are not written: "), "{printed}");
-    let told: serde_json::Value = serde_json::Deserializer::from_str(&printed).into_iter().next().unwrap().unwrap();
-    assert_eq!([told["unstored"].as_array().map(Vec::len), told["tables"].as_array().map(Vec::len)], [Some(1), None]);
+    let told: serde_json::Value =
+        serde_json::Deserializer::from_str(&printed).into_iter().next().unwrap().unwrap();
+    assert_eq!(
+        [told["unstored"].as_array().map(Vec::len), told["tables"].as_array().map(Vec::len)],
+        [Some(1), None]
+    );
     assert!(run.is_symlink(), "it stays as it was");
     std::fs::rename(folder.join("aside"), &run).unwrap();
     assert!(desk.expect(0, "run study.toml").contains("0 to run"));

@@ -134,7 +134,7 @@ fn write_tables(archive: &Archive, results: &[CaseResult], text: &str, more: &[T
         tables::frames(results),
         tables::summary(results),
     ];
-    let timings = tables::timings(archive, results);
+    let timings = tables::timings(results);
     let trades = trade::trades(archive, results)?;
     let trades = (!trades.is_empty()).then(|| trade::table(&trades));
     let all: Vec<&Table> = own.iter().chain(more).chain([&timings]).chain(&trades).collect();
@@ -142,7 +142,7 @@ fn write_tables(archive: &Archive, results: &[CaseResult], text: &str, more: &[T
         table.write(archive.store.root())?;
     }
     dictionary(&all).write(archive.store.root())?;
-    let manifest = StudyManifest::of(archive, text, Program::this(archive.folder), results.len());
+    let manifest = StudyManifest::of(archive, text, Program::this(archive.folder), results);
     if let Some(warning) = manifest.warning() {
         eprintln!("{warning}");
     }

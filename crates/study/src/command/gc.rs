@@ -71,6 +71,8 @@ fn alone(archive: &Archive) -> anyhow::Result<Lock> {
     let path = archive.store.lock();
     Lock::take(&path, Hold::Alone)?.ok_or_else(|| {
         let path = path.display();
-        anyhow::anyhow!("{path}: the study is in use; nothing is deleted: try again when its runners are done")
+        anyhow::anyhow!(
+            "{path}: the study is in use; nothing is deleted: try again when its runners are done"
+        )
     })
 }

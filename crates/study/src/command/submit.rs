@@ -86,7 +86,10 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
     let (waiting, numbers): (Vec<usize>, Vec<usize>) =
         numbers.into_iter().partition(|&index| queued.contains(archive.key(index)));
     if !waiting.is_empty() {
-        eprintln!("{} cases are left to elements that wait or run; `scancel` takes those back", waiting.len());
+        eprintln!(
+            "{} cases are left to elements that wait or run; `scancel` takes those back",
+            waiting.len()
+        );
     }
     if numbers.is_empty() {
         if arguments.json {
@@ -121,6 +124,8 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
         elements: &elements,
         threads: arguments.threads_per_case.max(1),
         seconds: TIME_FACTOR * longest + TIME_START,
+        collect_memory: MEMORY_FACTOR
+            * memory::of_tables(study.cases.iter().map(|case| memory::frames(&case.scene))),
         memory: MEMORY_FACTOR * numbers.iter().map(|&index| memory_of(index)).fold(0.0, f64::max),
     };
     let scripts = submission.write(&job)?;

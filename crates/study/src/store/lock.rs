@@ -33,8 +33,13 @@ impl Lock {
             std::fs::create_dir_all(folder).map_err(failed)?;
         }
         // Read and write: where locks are those of ranges of bytes, as on NFS, a shared one takes the right to read and one alone that to write.
-        let file =
-            OpenOptions::new().create(true).truncate(false).read(true).write(true).open(path).map_err(failed)?;
+        let file = OpenOptions::new()
+            .create(true)
+            .truncate(false)
+            .read(true)
+            .write(true)
+            .open(path)
+            .map_err(failed)?;
         let taken = match hold {
             Hold::Shared => file.try_lock_shared(),
             Hold::Alone => file.try_lock(),

@@ -22,8 +22,8 @@ mod whole;
 
 pub use lock::{Hold, Lock};
 pub use whole::{
-    Hashing, is_temporary, put_whole, read_whole, remove, seal, sign, sweep, unseal, verify, write_once, write_whole,
-    write_whole_with,
+    Hashing, is_temporary, put_whole, read_whole, remove, seal, sign, sweep, unseal, verify, write_once,
+    write_whole, write_whole_with,
 };
 
 use std::path::{Path, PathBuf};
