@@ -9,8 +9,8 @@ use crate::spec::scene::{PrecisionName, RegionSpec, TransferName};
 
 /// Of the program itself, its tables and threads [bytes] (chosen: a case of two particles peaks at 18 MB, and heaps have gaps).
 const PROGRAM: f64 = 2.5e7;
-/// Copies of the particles in the engine's chunks: two that are sorted into each other, the watchdog's snapshot and its next one.
-const COPIES: f64 = 4.0;
+/// Copies of the particles in the engine's chunks: two that are sorted into each other, the watchdog's snapshot and its next one, and a checkpoint's.
+const COPIES: f64 = 5.0;
 /// Copies of the particles as a plain state: as they were placed, and as they are looked at.
 const PLAIN_COPIES: f64 = 2.0;
 /// Beside its bonds, what measuring a particle takes [bytes] (chosen: 290 of 820 are not bonds at 300 thousand in 3D).
@@ -49,7 +49,8 @@ pub fn of_case(scene: &SceneSpec) -> Option<f64> {
     let nodes = MARGIN * (arrays + fields_of_solve) * 4.0 * number / per_cell;
     // Pairs within 2 h, four bytes each (metrics/bond_graph.rs): a disc's area or a ball's volume of particles, each pair once.
     let bonds = 4.0 * 0.5 * per_cell * if scene.dimension == 2 { 4.0 * PI } else { 32.0 / 3.0 * PI };
-    let frames = frames(scene) * 4.0 * (d + 1.0);
+    // As they are kept, and as the bytes that a checkpoint or the results have of them.
+    let frames = 2.0 * frames(scene) * 4.0 * (d + 1.0);
     // A case is measured when its engine is gone.
     Some(PROGRAM + particles * ((particle + nodes).max(bonds + MEASURED) + frames))
 }
