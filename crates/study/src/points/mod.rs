@@ -59,7 +59,7 @@ pub enum AnyPointCloud {
 #[derive(Debug, Error)]
 pub enum PointsError {
     /// It cannot be read or written.
-    #[error("{}: {reason}", path.display())]
+    #[error("{}: {reason}; check the path, its permissions and the space on the disk", path.display())]
     Io {
         /// The file.
         path: PathBuf,
