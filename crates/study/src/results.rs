@@ -135,9 +135,7 @@ impl<'a> Archive<'a> {
     /// read.
     pub(crate) fn changed_input(&self, index: usize) -> Option<String> {
         let scene = &self.study.cases[index].scene;
-        if particle_files(scene).next().is_none() {
-            return None;
-        }
+        particle_files(scene).next()?;
         match Inputs::default().of(scene, self.folder) {
             Ok(inputs) if key_of(scene, inputs) == self.keys[index] => None,
             Ok(_) => Some(

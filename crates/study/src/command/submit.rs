@@ -7,7 +7,8 @@ use serde::Serialize;
 use snowlab_study::attempt::now;
 use snowlab_study::cost::{Effort, costs};
 use snowlab_study::memory;
-use snowlab_study::plan::{Look, State, statuses};
+use snowlab_study::plan::{Look, State, Status, statuses};
+use snowlab_study::results::Archive;
 use snowlab_study::slurm::{ArrayJob, Submission, Submitted, chunks, most_elements};
 
 use super::opened::{Opened, StudyArguments, duration, use_study};
@@ -80,17 +81,7 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
     let _lock = use_study(&archive)?;
     let statuses = statuses(&archive, Look::Records);
     let submission = Submission::of(&archive);
-    let queued = submission.keys_queued();
-    let missing = |state: &State| !state.is_done() && !matches!(state, State::Running { .. });
-    let numbers: Vec<usize> = statuses.iter().filter(|s| missing(&s.state)).map(|s| s.index).collect();
-    let (waiting, numbers): (Vec<usize>, Vec<usize>) =
-        numbers.into_iter().partition(|&index| queued.contains(archive.key(index)));
-    if !waiting.is_empty() {
-        eprintln!(
-            "{} cases are left to elements that wait or run; `scancel` takes those back",
-            waiting.len()
-        );
-    }
+    let numbers = missing(&archive, &statuses, &submission);
     if numbers.is_empty() {
         if arguments.json {
             return print_json(&Told::default());
@@ -143,12 +134,31 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
     if arguments.json {
         return print_json(&told);
     }
+    tell(&told, job.memory);
+    Ok(Exit::Done)
+}
+
+/// Numbers of the cases that nobody has run, runs or is to run.
+fn missing(archive: &Archive, statuses: &[Status], submission: &Submission) -> Vec<usize> {
+    let queued = submission.keys_queued();
+    let is_missing = |state: &State| !state.is_done() && !matches!(state, State::Running { .. });
+    let missing = statuses.iter().filter(|status| is_missing(&status.state)).map(|status| status.index);
+    let (waiting, missing): (Vec<usize>, Vec<usize>) =
+        missing.partition(|&index| queued.contains(archive.key(index)));
+    if !waiting.is_empty() {
+        let count = waiting.len();
+        eprintln!("{count} cases are left to elements that wait or run; `scancel` takes those back");
+    }
+    missing
+}
+
+fn tell(told: &Told, memory: f64) {
     println!(
         "{} cases in {} elements, the longest of about {}, {} each",
         told.cases,
         told.elements,
-        duration(longest),
-        memory::in_words(job.memory)
+        duration(told.predicted_seconds_of_the_longest),
+        memory::in_words(memory)
     );
     told.scripts.iter().for_each(|path| println!("{path}"));
     match &told.submitted {
@@ -159,5 +169,4 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
         }
         None => println!("nothing is submitted; `sbatch {}` does it by hand", told.scripts[1]),
     }
-    Ok(Exit::Done)
 }
