@@ -201,19 +201,18 @@ impl<'a> Archive<'a> {
         Asked { solver_version: SOLVER_VERSION, scene_key, scene }
     }
 
-    /// Makes anew what follows from scene, frames and `record` of finished case number `index`, where it is damaged; a damaged manifest goes, for
-    /// nothing else knows who ran the case. False where the frames are: they take another run.
+    /// Makes anew what follows from the scene of finished case number `index`, where it is damaged; a damaged manifest goes, for nothing else knows who
+    /// ran the case. False where frames or metrics are: they take another run. (Metrics of frames and record as they are read would do for tables, but
+    /// JSON is read to an ulp, and files are made anew to the byte.)
     ///
     /// # Errors
     /// [`StoreError::Io`].
     pub(crate) fn mend(&self, index: usize, record: &RunRecord) -> Result<bool, StoreError> {
         let folder = self.case_folder(index);
-        if record.was_built() && is_damaged(folder.check_frames())? {
+        if record.was_built()
+            && (is_damaged(folder.check_frames())? || is_damaged(self.check_metrics(index))?)
+        {
             return Ok(false);
-        }
-        if is_damaged(self.check_metrics(index))? {
-            // A run that could be measured can be again.
-            let _ = self.metrics(&folder, &self.study.cases[index].scene, record)?;
         }
         if is_damaged(folder.read_json::<Asked>(CASE))? {
             folder.write_json(CASE, &self.asked(index))?;
