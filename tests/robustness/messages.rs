@@ -85,7 +85,7 @@ fn scene(text: &str) -> Result<(), SpecError> {
 
 /// Parses and expands a study.
 fn study(text: &str) -> Result<(), SpecError> {
-    Study::expand(spec::parse::<StudySpec>(text)?, None).map(|_| ())
+    Study::parse(text, None).map(|_| ())
 }
 
 /// Holds each line of a table against what `read` says of the changed `base`.

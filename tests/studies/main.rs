@@ -9,6 +9,7 @@ mod memory;
 mod notation;
 mod panics;
 mod particle_files;
+mod preflight;
 mod report;
 mod reproducibility_page;
 mod rollback;

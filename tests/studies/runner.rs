@@ -1,7 +1,7 @@
 //! The command on tiny studies and scenes: 2D, a few hundred particles, a few dozen steps.
 
 #[path = "../desk/mod.rs"]
-mod desk;
+pub mod desk;
 
 mod broken_results;
 mod compare;

@@ -6,7 +6,7 @@ use crate::checkpoint::Saved;
 use crate::diagnostics::{elastic_energy, potential_energy};
 use crate::error::{Rejection, SceneError, SimulationError};
 use crate::geometry::Vector;
-use crate::ledger::StepLedger;
+use crate::ledger::{Ledger, StepLedger};
 use crate::real::Real;
 use crate::scene::{Scene, StepLength};
 use crate::sort::sort_by_block;
@@ -85,6 +85,11 @@ impl<T: Real, const D: usize> Simulation<T, D> {
     /// Accepted steps.
     pub fn steps(&self) -> u64 {
         self.state.steps
+    }
+
+    /// Sums over the run so far.
+    pub fn ledger(&self) -> &Ledger<D> {
+        &self.state.ledger
     }
 
     /// When an obstacle, mirrors not counted, first changed a velocity [s].

@@ -24,6 +24,7 @@ pub mod memory;
 pub mod metrics;
 pub mod plan;
 pub mod points;
+pub mod preflight;
 pub mod present;
 pub mod record;
 pub mod report;

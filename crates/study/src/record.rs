@@ -34,6 +34,14 @@ impl Outcome {
         }
     }
 
+    /// Why it stopped, where it has.
+    pub fn message(&self) -> Option<&str> {
+        match self {
+            Outcome::Ok | Outcome::OkWithClamps => None,
+            Outcome::Stopped { message, .. } => Some(message),
+        }
+    }
+
     /// A case whose scene cannot be built. The same scene never can: it is not tried again.
     pub fn not_built(message: String) -> Self {
         Outcome::Stopped { reason: "not-built".into(), message }

@@ -9,7 +9,7 @@ use crate::assemble::{Assembly, assemble, time_unit};
 use crate::frames::{Frame, Frames};
 use crate::keeper::{Keeper, Pause, Unkept, Wish};
 use crate::record::{HistoryRow, Outcome, RunRecord};
-use crate::spec::scene::{EndFrom, PrecisionName};
+use crate::spec::scene::{EndFrom, OutputSpec, PrecisionName};
 use crate::spec::{SceneSpec, SpecError};
 use crate::store::StoreError;
 
@@ -104,7 +104,7 @@ fn run<T: Real, const D: usize>(
 ) -> Result<Ended<D>, SpecError> {
     let Assembly { scene, state, made } = assemble::<T, D>(spec, folder)?;
     let unit = time_unit(&spec.output, made.crossing_time)?;
-    let clock = FrameClock::new(spec, unit);
+    let clock = FrameClock::new(&spec.output, unit);
     let (mut simulation, mut kept) = match taken_up(&scene, &state, threads, keeper) {
         Some(resumed) => resumed,
         None => begun(scene, state, threads, &clock)?,
@@ -261,6 +261,12 @@ fn no_contact(time: f64) -> Outcome {
     }
 }
 
+/// The time up to which a run of the given output can go [s]: its end, or how long it waits for a contact from which the end counts.
+/// `unit` is one of the output's time units [s].
+pub fn latest_end(output: &OutputSpec, unit: f64) -> f64 {
+    FrameClock::new(output, unit).end(None)
+}
+
 /// When frames are due: at multiples of the interval from the start, and once something has touched an obstacle, from
 /// then on at multiples of the interval from that moment, so that frames of different arms are alike in phase. All follows
 /// from the latest frame and the first contact, so that a run that goes back in time leaves nothing to put right.
@@ -273,8 +279,7 @@ struct FrameClock {
 }
 
 impl FrameClock {
-    fn new(spec: &SceneSpec, unit: f64) -> Self {
-        let output = &spec.output;
+    fn new(output: &OutputSpec, unit: f64) -> Self {
         let (interval, duration) = (output.frame_interval * unit, output.end * unit);
         let longest_flight = LONGEST_FLIGHT * unit.max(duration);
         FrameClock { interval, duration, from_contact: output.end_from == EndFrom::Contact, longest_flight }

@@ -1,6 +1,7 @@
 //! From a study to its cases: pure values, listed before anything runs.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use toml::Value;
 
@@ -42,6 +43,30 @@ pub const MOST_CASES: u64 = 1_000_000;
 pub const MOST_VALUES: u64 = 10_000_000;
 
 impl Study {
+    /// Reads a study file and expands it under the profile of the given name; its text comes with it.
+    ///
+    /// # Errors
+    /// [`SpecError`], naming file, line and key.
+    pub fn read(path: &Path, profile: Option<&str>) -> Result<(Self, String), SpecError> {
+        let (spec, text) = spec::read::<StudySpec>(path)?;
+        let study = Study::expand_text(&text, spec, profile).map_err(|error| error.within(path.display()))?;
+        Ok((study, text))
+    }
+
+    /// Parses the text of a study file and expands it under the profile of the given name.
+    ///
+    /// # Errors
+    /// [`SpecError::Value`], naming line and key.
+    pub fn parse(text: &str, profile: Option<&str>) -> Result<Self, SpecError> {
+        Study::expand_text(text, spec::parse(text)?, profile)
+    }
+
+    /// Expands what `text` says, whose lines errors name.
+    fn expand_text(text: &str, spec: StudySpec, profile: Option<&str>) -> Result<Self, SpecError> {
+        Study::expand(spec.clone(), profile)
+            .map_err(|error| error.in_study(text, &spec, profile.unwrap_or(DEFAULT_PROFILE)))
+    }
+
     /// Expands `spec` under the profile of the given name.
     ///
     /// # Errors

@@ -82,7 +82,7 @@ const TABLE: &[Refused] = &[
     refused(
         END,
         "[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"half-step\" }\n",
-        &["arm `two`, `check`", "nothing is changed", "`wave_courant`"],
+        &["line 20, arm `two`, `check`", "nothing is changed", "`wave_courant`"],
     ),
     refused(
         END,
@@ -100,8 +100,16 @@ const TABLE: &[Refused] = &[
         &["`claim.0.contrast`", "\"two\"", "only checks another"],
     ),
     // The scene, as each arm has it.
-    refused("spacing = 0.05\n[[scene", "[[scene", &["arm `one`", "`numerics`", "`spacing` is missing"]),
-    refused("radius = 0.25", "radius = -1.0", &["arm `one`", "`body.0.region.radius`", "is -1.0", "above 0"]),
+    refused(
+        "spacing = 0.05\n[[scene",
+        "[[scene",
+        &["line 9, arm `one`", "`numerics`", "`spacing` is missing"],
+    ),
+    refused(
+        "radius = 0.25",
+        "radius = -1.0",
+        &["line 12, arm `one`", "`body.0.region.radius`", "is -1.0", "above 0"],
+    ),
     refused(
         "radius = 0.25",
         "radius = \"big\"",
@@ -121,12 +129,12 @@ const TABLE: &[Refused] = &[
     refused(
         END,
         "[[arm]]\nid = \"two\"\nset = { \"numerics.spacin\" = 0.1 }\n",
-        &["arm `two`", "`numerics.spacin`", "unknown key"],
+        &["line 22, arm `two`", "`numerics.spacin`", "unknown key"],
     ),
     refused(
         END,
         "[[arm]]\nid = \"two\"\nset = { \"body.3.velocity\" = [0.0, 1.0] }\n",
-        &["arm `two`", "`body.3.velocity`", "1 entries"],
+        &["line 22, arm `two`", "`body.3.velocity`", "1 entries"],
     ),
     refused(
         END,
@@ -146,12 +154,12 @@ const TABLE: &[Refused] = &[
     refused(
         END,
         "[[arm]]\nid = \"two\"\nset = { \"numerics.spacing\" = \"fine\" }\n",
-        &["arm `two`", "`numerics.spacing`", "\"fine\"", "a number"],
+        &["line 22, arm `two`", "`numerics.spacing`", "\"fine\"", "a number"],
     ),
     refused(
         END,
         "[[arm]]\nid = \"two\"\nset = { \"body.0.material\" = { kind = \"snow\", poisson = 0.5 } }\n",
-        &["arm `two`", "`body.0.material.poisson`", "is 0.5", "below 0.5"],
+        &["line 22, arm `two`", "`body.0.material.poisson`", "is 0.5", "below 0.5"],
     ),
     refused(END, "[[arm]]\nid = \"two\"\nset = { seed = 4 }\n", &["`arm.1.set`", "`seed`", "`blocks.first`"]),
     // Too much.
@@ -166,6 +174,22 @@ const TABLE: &[Refused] = &[
 #[test]
 fn studies_are_refused_with_place_value_and_remedy() {
     hold(STUDY, study, TABLE);
+}
+
+/// The line is that of the setting that holds in the case that is refused, wherever in the file that is.
+#[test]
+fn the_line_is_where_the_value_was_set_last() {
+    let lines = STUDY.matches('\n').count();
+    let refused = |more: &str, profile, line: usize| {
+        let message = Study::parse(&format!("{STUDY}{more}"), profile).unwrap_err().to_string();
+        hold_message(&message, more, &[&format!("line {}, arm `", lines + line), "`numerics.spacing`: is -"]);
+    };
+    refused("[[sweep]]\nname = \"h\"\npath = \"numerics.spacing\"\nvalues = [0.1, -1.0]\n", None, 4);
+    let points = "[[sweep]]\nname = \"h\"\nnumbers = [1]\nvalues = [\n{ \"numerics.spacing\" = -1.0 },\n]\n";
+    refused(points, None, 5);
+    refused("set = { \"numerics.spacing\" = -1.0 }\n", None, 1);
+    refused("[profile.p.set]\n\"numerics.spacing\" = -1.0\n", Some("p"), 2);
+    refused("[profile.default.arm_set.two]\n\"numerics.spacing\" = -1.0\n", None, 2);
 }
 
 #[test]

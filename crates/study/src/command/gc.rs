@@ -43,8 +43,7 @@ pub fn gc(arguments: &GcArguments) -> anyhow::Result<Exit> {
     let archive = arguments.study.archive(&study)?;
     let mut wanted = BTreeSet::new();
     for profile in [None].into_iter().chain(study.spec.profile.keys().map(|name| Some(name.as_str()))) {
-        let study = Study::expand(study.spec.clone(), profile)
-            .map_err(|error| error.within(arguments.study.file.display()))?;
+        let (study, _) = Study::read(&arguments.study.file, profile)?;
         let other = Archive::open(&study, &arguments.study.out, arguments.study.folder())?;
         wanted.extend((0..study.cases.len()).map(|index| other.key(index).to_string()));
     }

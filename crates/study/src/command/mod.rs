@@ -6,6 +6,7 @@ mod fragments;
 mod gc;
 mod opened;
 mod plan;
+mod preflight;
 mod progress;
 mod run;
 mod sample;
@@ -62,6 +63,8 @@ pub enum Command {
         /// Shell
         shell: clap_complete::Shell,
     },
+    /// Tell what a scene will meet, take and not need, before it is run
+    Preflight(preflight::PreflightArguments),
     /// Run one scene and write its frames as CSV
     Simulate {
         /// Scene file
@@ -131,6 +134,7 @@ impl Command {
                 Ok(Exit::Done)
             }
             Command::Compare(arguments) => compare::compare(arguments),
+            Command::Preflight(arguments) => preflight::look(&arguments),
             Command::Simulate { scene, out, threads } => simulate::simulate(&scene, &out, threads),
             Command::Sample { scene, output } => sample::sample(&scene, &output),
             Command::Verify(arguments) => verify::verify(&arguments),

@@ -6,7 +6,6 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use snowlab_study::memory;
 use snowlab_study::results::{Archive, CaseResult};
-use snowlab_study::spec::{self, StudySpec};
 use snowlab_study::store::{Hold, Lock};
 use snowlab_study::sweep::Study;
 
@@ -34,9 +33,7 @@ pub struct Opened {
 impl StudyArguments {
     /// Reads the study.
     pub fn open(&self) -> anyhow::Result<Opened> {
-        let (spec, text) = spec::read::<StudySpec>(&self.file)?;
-        let study = Study::expand(spec, self.profile.as_deref())
-            .map_err(|error| error.within(self.file.display()))?;
+        let (study, text) = Study::read(&self.file, self.profile.as_deref())?;
         Ok(Opened { study, text })
     }
 

@@ -19,6 +19,7 @@ use snowlab_study::schedule::{Account, Orders, Task, run_cases, tidy};
 
 use super::collect::collect_tables;
 use super::opened::{Opened, StudyArguments, shares, use_study};
+use super::preflight::warn_of_study;
 use super::progress::Bar;
 use super::{Exit, print_json};
 
@@ -106,6 +107,7 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<Exit> {
     done.map(|task| task.status.index).try_for_each(|index| tidy(&archive, index))?;
     tasks.iter().filter_map(|task| done_again(&archive, &task.status)).for_each(|line| eprintln!("{line}"));
     let numbers: Vec<usize> = tasks.iter().map(|task| task.status.index).collect();
+    warn_of_study(&study, &numbers, arguments.study.folder());
     let orders = arguments.orders(&archive, &numbers)?;
     let account = run_cases(&archive, tasks, &orders, &Bar::new(&archive, numbers.len()));
     let interrupted = orders.limits.stop.load(Ordering::Relaxed);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use snowlab_study::assemble::assemble;
+use snowlab_study::assemble::{Assembly, assemble};
 use snowlab_study::points;
 use snowlab_study::spec::{self, SceneSpec};
 
@@ -10,16 +10,16 @@ use super::Exit;
 
 /// Writes the placed particles to `output`.
 pub fn sample(path: &Path, output: &Path) -> anyhow::Result<Exit> {
-    let (scene, _) = spec::read::<SceneSpec>(path)?;
-    match scene.dimension {
-        3 => sample_in::<3>(&scene, path, output),
-        _ => sample_in::<2>(&scene, path, output),
-    }
+    let (scene, text) = spec::read::<SceneSpec>(path)?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let done = match scene.dimension {
+        3 => assemble::<f64, 3>(&scene, folder).map(|assembly| write(&assembly, output)),
+        _ => assemble::<f64, 2>(&scene, folder).map(|assembly| write(&assembly, output)),
+    };
+    done.map_err(|error| error.in_text(&text).within(path.display()))?
 }
 
-fn sample_in<const D: usize>(scene: &SceneSpec, path: &Path, output: &Path) -> anyhow::Result<Exit> {
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let assembly = assemble::<f64, D>(scene, folder).map_err(|error| error.within(path.display()))?;
+fn write<const D: usize>(assembly: &Assembly<f64, D>, output: &Path) -> anyhow::Result<Exit> {
     let positions: Vec<_> = (0..assembly.state.len()).map(|p| assembly.state.world_position(p)).collect();
     points::write(output, &positions)?;
     let made = &assembly.made;

@@ -15,20 +15,22 @@ use snowlab_study::table::{Row, Table};
 use snowlab_study::tables::energies;
 
 use super::Exit;
+use super::preflight::warn;
 
 /// Runs the scene on so many threads, all cores if not told; frames, energies and collider forces go to `out`.
 pub fn simulate(path: &Path, out: &Path, threads: Option<usize>) -> anyhow::Result<Exit> {
-    let (scene, _) = spec::read::<SceneSpec>(path)?;
+    let (scene, text) = spec::read::<SceneSpec>(path)?;
     let threads = threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let folder = path.parent().unwrap_or(Path::new("."));
     memory::side_by_side(memory::of_simulation(&scene), 1, 1)
         .map_err(|message| anyhow::anyhow!("{}: {message}", path.display()))?;
+    warn(&scene, folder).map_err(|error| error.in_text(&text).within(path.display()))?;
     let mut writer = FrameWriter { out: out.into(), frames: 0, background: Background::new() };
     let record = match scene.dimension {
         3 => run_scene::<3>(&scene, folder, threads, &mut writer).map(|run| run.record),
         _ => run_scene::<2>(&scene, folder, threads, &mut writer).map(|run| run.record),
     };
-    let record = record.map_err(|error| error.within(path.display()))?;
+    let record = record.map_err(|error| error.in_text(&text).within(path.display()))?;
     let frames = writer.frames;
     writer.background.end()?;
     history(&record).write(out)?;

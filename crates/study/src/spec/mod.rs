@@ -64,6 +64,27 @@ impl SpecError {
         self.before(format!("{place}: "))
     }
 
+    /// The same error with the line of the scene's or study's `text` that has its key.
+    pub fn in_text(self, text: &str) -> Self {
+        self.on_line(|place| place::line_of_key(text, place))
+    }
+
+    /// The same error, which one of the cases of a study under `profile` met, with the line of the study's `text` that
+    /// set the key.
+    pub fn in_study(self, text: &str, spec: &StudySpec, profile: &str) -> Self {
+        self.on_line(|place| place::line_in_study(text, spec, profile, place))
+    }
+
+    fn on_line(self, line: impl FnOnce(&str) -> Option<usize>) -> Self {
+        let (SpecError::Value { place, .. } | SpecError::Particles { place, .. }) = &self else {
+            return self;
+        };
+        match line(place) {
+            Some(line) => self.before(format!("line {line}, ")),
+            None => self,
+        }
+    }
+
     fn before(self, text: String) -> Self {
         match self {
             SpecError::Value { place, message } => {
@@ -157,13 +178,7 @@ pub fn parse<S: Spec>(text: &str) -> Result<S, SpecError> {
         let places = [same.map(|error| line_of(text, &error)).or_else(of_key), named(&key)];
         SpecError::value(places.into_iter().flatten().collect::<Vec<_>>().join(", "), message)
     })?;
-    spec.validate().map_err(|error| match &error {
-        SpecError::Value { place, .. } => match place::line_of_key(text, place) {
-            Some(line) => error.before(format!("line {line}, ")),
-            None => error,
-        },
-        SpecError::Read { .. } | SpecError::Particles { .. } => error,
-    })?;
+    spec.validate().map_err(|error| error.in_text(text))?;
     Ok(spec)
 }
 

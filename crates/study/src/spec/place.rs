@@ -3,25 +3,76 @@
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::study::StudySpec;
+
 /// The line, counted from 1, of the dotted key that `place` has between its first backticks, such as `body.0.placement`;
 /// where the text has not the whole of it, that of the table or list it is missing from. `None` where not even its first
 /// part is there.
 pub fn line_of_key(text: &str, place: &str) -> Option<usize> {
     let path = place.split('`').nth(1)?;
-    let document = DeTable::parse(text).ok()?;
-    let mut found = None;
-    step_into_table(document.get_ref(), path, &mut found);
-    found.map(|start| text.get(..start).unwrap_or_default().matches('\n').count() + 1)
+    find(&DeTable::parse(text).ok()?, path).map(|found| line_at(text, found.start))
 }
 
-/// Follows `path`; `found` becomes the start of what it leads to, as far as it leads.
-fn step(value: &Spanned<DeValue>, path: &str, found: &mut Option<usize>) {
+/// The line, counted from 1, that a refusal of one of a study's scenes is about, whose `place` names an arm and then a key
+/// of the scene: where the study under `profile` sets that key last. Without a key that is set anywhere it is the arm's.
+pub fn line_in_study(text: &str, spec: &StudySpec, profile: &str, place: &str) -> Option<usize> {
+    let mut names = place.strip_prefix("arm `")?.split('`');
+    let (id, key) = (names.next()?, names.nth(1).unwrap_or_default());
+    let arm = spec.arm.iter().position(|arm| arm.id == id)?;
+    let document = DeTable::parse(text).ok()?;
+    let checked = spec.arm[arm].check.as_ref().map_or(id, |check| &check.of);
+    let own = |id: &str| {
+        let index = spec.arm.iter().position(|arm| arm.id == id).unwrap_or(arm);
+        [format!("profile.{profile}.arm_set.{id}"), format!("arm.{index}.set")]
+    };
+    let swept = spec.sweep.iter().enumerate().filter_map(|(index, axis)| {
+        let path = axis.path.as_ref()?;
+        let sets =
+            key.strip_prefix(path.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        sets.then(|| find(&document, &format!("sweep.{index}.values")))?
+    });
+    let points = spec.sweep.iter().enumerate().filter(|(_, axis)| axis.path.is_none());
+    let points = points
+        .flat_map(|(index, axis)| (0..axis.values.len()).map(move |k| format!("sweep.{index}.values.{k}")));
+    let set = points
+        .chain(own(id))
+        .chain(own(checked))
+        .chain([format!("profile.{profile}.set"), "scene".into()])
+        // Without any part of the key the table is there, and does not set it.
+        .filter_map(|table| {
+            find(&document, &format!("{table}.{key}")).filter(|found| found.left < key.len())
+        });
+    let arm = find(&document, &format!("arm.{arm}"));
+    swept.chain(set).next().or(arm).map(|found| line_at(text, found.start))
+}
+
+fn line_at(text: &str, start: usize) -> usize {
+    text.get(..start).unwrap_or_default().matches('\n').count() + 1
+}
+
+/// Where a path leads to.
+#[derive(Clone, Copy)]
+struct Found {
+    /// The byte at which that starts.
+    start: usize,
+    /// Bytes of the path that lead nowhere.
+    left: usize,
+}
+
+/// Follows `path` as far as it leads.
+fn find(document: &Spanned<DeTable>, path: &str) -> Option<Found> {
+    let mut found = None;
+    step_into_table(document.get_ref(), path, &mut found);
+    found
+}
+
+fn step(value: &Spanned<DeValue>, path: &str, found: &mut Option<Found>) {
     match value.get_ref() {
         DeValue::Table(table) => step_into_table(table, path, found),
         DeValue::Array(items) => {
             let (index, rest) = path.split_once('.').unwrap_or((path, ""));
             if let Some(item) = index.parse().ok().and_then(|index: usize| items.get(index)) {
-                *found = Some(item.span().start);
+                *found = Some(Found { start: item.span().start, left: rest.len() });
                 step(item, rest, found);
             }
         }
@@ -30,14 +81,14 @@ fn step(value: &Spanned<DeValue>, path: &str, found: &mut Option<usize>) {
 }
 
 /// Keys may have dots themselves: the longest that fits is taken.
-fn step_into_table(table: &DeTable, path: &str, found: &mut Option<usize>) {
+fn step_into_table(table: &DeTable, path: &str, found: &mut Option<Found>) {
     let fits = |key: &str| {
         let rest = path.strip_prefix(key)?;
         if rest.is_empty() { Some(rest) } else { rest.strip_prefix('.') }
     };
     let fitting = table.iter().filter_map(|(key, value)| Some((key, value, fits(key.get_ref())?)));
     if let Some((key, value, rest)) = fitting.max_by_key(|(key, ..)| key.get_ref().len()) {
-        *found = Some(key.span().start);
+        *found = Some(Found { start: key.span().start, left: rest.len() });
         step(value, rest, found);
     }
 }
