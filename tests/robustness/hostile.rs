@@ -22,7 +22,7 @@ mod records;
 mod scenes;
 mod studies;
 mod telling;
-mod watch;
+pub mod watch;
 
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -51,7 +51,10 @@ fn hand_over(reader: &'static str, percent: u64, read: impl Fn(&mut ChaCha8Rng) 
     let (inputs, accepted, start) = (numbers.end - numbers.start, AtomicU64::new(0), Instant::now());
     let faults = Mutex::new(Vec::new());
     let done = numbers.into_par_iter().try_for_each(|number| {
-        let _watch = Watch::over(reader, number);
+        let _watch = Watch::over(format!(
+            "input {number} of {reader} ({VARIABLE}={number}..{} repeats it)",
+            number + 1
+        ));
         let tried = catch_unwind(AssertUnwindSafe(|| read(&mut ChaCha8Rng::seed_from_u64(number))));
         let mut faults = faults.lock().expect("nothing panics under the lock");
         match tried {
@@ -92,7 +95,7 @@ fn hold_words(message: &str, input: &str) {
 }
 
 /// A refusal of a document names a place in it, too.
-fn hold_refusal(message: &str, input: &str) {
+pub fn hold_refusal(message: &str, input: &str) {
     hold_words(message, input);
     assert!(message.contains("line ") || message.contains('`'), "{message:?} names no place");
 }

@@ -2,6 +2,7 @@
 //! let pass.
 
 mod files;
+mod maps;
 mod questions;
 mod ranges;
 mod scenes;
@@ -12,7 +13,7 @@ pub use ranges::SCENES;
 use std::path::Path;
 
 use snowlab_study::assemble::assemble;
-use snowlab_study::spec::{self, SceneSpec, SpecError, StudySpec};
+use snowlab_study::spec::{self, SceneSpec, SpecError};
 use snowlab_study::sweep::Study;
 
 /// Words of the implementation that no user should have to understand.

@@ -5,6 +5,7 @@ mod drawing;
 mod energy;
 mod forest;
 mod missing;
+mod outcomes;
 mod pilot;
 mod sizes;
 mod snowballs;

@@ -8,6 +8,7 @@ mod compare;
 mod exit_codes;
 mod harness;
 mod makefile;
+mod maps;
 mod repairing;
 mod reports;
 mod resuming;

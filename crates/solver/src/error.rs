@@ -78,6 +78,9 @@ pub enum RejectionReason {
 impl std::fmt::Display for RejectionReason {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
+            RejectionReason::Inverted { determinant } if determinant.is_nan() => {
+                write!(f, "velocities or forces outgrow the precision (det(I + dt grad v) is no number)")
+            }
             RejectionReason::Inverted { determinant } => {
                 write!(f, "the step turns an element inside out (det(I + dt grad v) = {determinant:e})")
             }

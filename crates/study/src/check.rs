@@ -65,7 +65,7 @@ fn hold(expect: &ExpectSpec, group: &[&CaseResult]) -> Finding {
         ExpectStatistic::Median => "median",
     };
     let point: Vec<String> =
-        group[0].case.axes.iter().map(|(name, value)| format!(" {name} = {value}")).collect();
+        group[0].case.point().map(|(name, value)| format!(" {name} = {value}")).collect();
     let line = format!(
         "{}{}: {statistic} `{}` in [{least}, {greatest}]: {} ({})",
         group[0].case.arm,

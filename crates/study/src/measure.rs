@@ -43,8 +43,8 @@ pub struct Metrics {
     pub ln_neff_earlier: f64,
     /// Crack length [m], area [m^2] in 3D, at the end.
     pub crack: Option<f64>,
-    /// ln of the horizontal extent of the bulk [m].
-    pub ln_extent: f64,
+    /// ln of the horizontal extent of the bulk [m]; `None` where it has none.
+    pub ln_extent: Option<f64>,
     /// Horizontal distance from the centre of mass of the first frame that 95 % of the mass stay within [m].
     pub run_out: f64,
     /// Shares of the mass with J_P above 1.05, 1.3 and 2.
@@ -187,7 +187,7 @@ pub fn measure<const D: usize>(
             .log_effective_number(),
         ln_neff_earlier: ruler.fragments(&earlier, masses)?.log_effective_number(),
         crack: bonds.crack_measure,
-        ln_extent: spread.map_or(f64::NEG_INFINITY, |s| s.log_extent()),
+        ln_extent: spread.map(|s| s.log_extent()).filter(|ln| ln.is_finite()),
         run_out: spread.map_or(0.0, |s| s.run_out[0]),
         loosened: mass_shares_above(&ratios, masses, LOOSENED)?,
         sizes: sizes(&analysis, ruler.least_mass),

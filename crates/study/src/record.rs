@@ -6,6 +6,7 @@ use snowlab_solver::diagnostics::energies;
 use snowlab_solver::{Real, Simulation, SimulationError, State};
 
 use crate::assemble::Made;
+use crate::stop::told;
 
 /// How a case ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,14 +53,14 @@ impl Outcome {
         Outcome::Stopped { reason: reason.into(), message }
     }
 
-    /// A stop by the solver.
-    pub fn stopped(error: &SimulationError) -> Self {
+    /// A stop of `simulation` by the solver.
+    pub fn stopped<T: Real, const D: usize>(error: &SimulationError, simulation: &Simulation<T, D>) -> Self {
         let reason = match error {
             SimulationError::StepRejected { .. } => "step-rejected",
             SimulationError::EnergyRise { .. } => "energy-rise",
             SimulationError::TooManySteps { .. } => "too-many-steps",
         };
-        Outcome::Stopped { reason: reason.into(), message: error.to_string() }
+        Outcome::Stopped { reason: reason.into(), message: told(error, simulation) }
     }
 }
 

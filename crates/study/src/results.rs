@@ -148,7 +148,7 @@ impl<'a> Archive<'a> {
     /// Arm, point of the sweep and block of case number `index`.
     pub fn describe(&self, index: usize) -> String {
         let case = &self.study.cases[index];
-        let point: Vec<String> = case.axes.iter().map(|(name, value)| format!(" {name} = {value}")).collect();
+        let point: Vec<String> = case.point().map(|(name, value)| format!(" {name} = {value}")).collect();
         format!("{}{} block {}", case.arm, point.concat(), case.block)
     }
 

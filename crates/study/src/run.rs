@@ -19,6 +19,8 @@ const LONGEST_FLIGHT: f64 = 20.0;
 
 /// A run of more steps is refused before it begins (chosen: steps of a single particle take days).
 const MOST_STEPS: f64 = 1e11;
+/// So many steps apart it is asked how many are left (chosen: the question costs a copy of the state).
+const STALL_INTERVAL: u64 = 1024;
 
 /// What a run gives.
 #[derive(Clone, Debug)]
@@ -118,7 +120,7 @@ fn run<T: Real, const D: usize>(
             Ok(Some(outcome)) => break outcome,
             Err(error) => {
                 kept.keep_last(&simulation, observer);
-                break Outcome::stopped(&error);
+                break Outcome::stopped(&error, &simulation);
             }
         }
     };
@@ -207,6 +209,10 @@ fn advance<T: Real, const D: usize>(
     if time >= clock.end(contact) {
         return Ok(Some(if clock.missed_contact(contact) { no_contact(time) } else { Outcome::Ok }));
     }
+    if let Some(outcome) = stalled(simulation, clock.end(contact)) {
+        kept.keep_last(simulation, observer);
+        return Ok(Some(outcome));
+    }
     if let Err(error) = simulation.advance_one(clock.next_frame(kept.latest(), contact)) {
         // A state that the watchdog refuses is none to stop at: the run goes on from the one it went back to.
         return if simulation.confirm()? { Err(error) } else { Ok(None) };
@@ -252,6 +258,24 @@ fn check_steps(first: f64, end: f64) -> Result<(), SpecError> {
          velocity, stiffness and density"
     );
     Err(SpecError::value("`output.end`", message))
+}
+
+/// Stops a run that no machine would end, whose steps have become too short on the way. The state alone decides, so that a run that goes on
+/// from a checkpoint stops where it would have stopped.
+fn stalled<T: Real, const D: usize>(simulation: &Simulation<T, D>, end: f64) -> Option<Outcome> {
+    if !simulation.steps().is_multiple_of(STALL_INTERVAL) {
+        return None;
+    }
+    let (dt, time) = (step_length(simulation.scene(), simulation.state()), simulation.time());
+    let left = (end - time) / dt;
+    // Written so that a step that is no number stops, too.
+    (!(left <= MOST_STEPS)).then(|| Outcome::Stopped {
+        reason: "steps-too-short".into(),
+        message: format!(
+            "at t = {time:.6e} s: {left:.1e} steps of {dt:.1e} s are left, more than {MOST_STEPS:e}; material has become \
+             too stiff or too fast: lower `hardening` or speed, or set `hardening_limit` or `plastic_ratio_bounds`"
+        ),
+    })
 }
 
 fn no_contact(time: f64) -> Outcome {

@@ -18,10 +18,22 @@ pub struct Case {
     pub arm: String,
     /// The block: seed of all random streams.
     pub block: u64,
-    /// Axis name and number of each axis of the sweep.
-    pub axes: Vec<(String, f64)>,
+    /// Axis name and number of each axis of the sweep; no number where the arm is not run along it.
+    pub axes: Vec<(String, Option<f64>)>,
     /// The scene in full.
     pub scene: SceneSpec,
+}
+
+impl Case {
+    /// The point of the sweep: name and number of each axis that the arm is run along.
+    pub fn point(&self) -> impl Iterator<Item = (&str, f64)> {
+        self.axes.iter().filter_map(|(name, number)| Some((name.as_str(), (*number)?)))
+    }
+
+    /// The number of the axis `name`, if the arm is run along it.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.point().find(|(axis, _)| *axis == name).map(|(_, number)| number)
+    }
 }
 
 /// A study with its profile applied.
@@ -77,10 +89,10 @@ impl Study {
         let chosen = profile_of(&spec, profile)?;
         check_count(&spec, &chosen)?;
         let mut cases = Vec::new();
-        let points: Vec<Vec<AxisPoint>> = spec.sweep.iter().map(points_of).collect();
-        let combinations = combinations(&points);
         for arm in spec.arm.iter().filter(|arm| runs(&chosen, arm)) {
-            for axes in &combinations {
+            let points: Vec<Vec<AxisPoint>> = axes_of(&spec, arm).map(points_of).collect();
+            for axes in &combinations(&points) {
+                let number = |name: &str| axes.iter().find(|axis| axis.name == name).map(|axis| axis.number);
                 let scene = scene_of(&spec, &chosen, arm, axes)?;
                 if let Some(check) = &arm.check {
                     let checked = arm_of(&spec, &check.of).map(|arm| scene_of(&spec, &chosen, arm, axes));
@@ -91,7 +103,7 @@ impl Study {
                     cases.push(Case {
                         arm: arm.id.clone(),
                         block,
-                        axes: axes.iter().map(|axis| (axis.name.to_string(), axis.number)).collect(),
+                        axes: spec.sweep.iter().map(|axis| (axis.name.clone(), number(&axis.name))).collect(),
                         scene: SceneSpec { seed: block, ..scene.clone() },
                     });
                 }
@@ -128,22 +140,25 @@ fn profile_of(spec: &StudySpec, profile: Option<&str>) -> Result<ProfileSpec, Sp
 
 /// Counts the cases, and the values in their scenes, before any is made.
 fn check_count(spec: &StudySpec, profile: &ProfileSpec) -> Result<(), SpecError> {
-    let points = spec.sweep.iter().fold(1_u64, |n, axis| n.saturating_mul(axis.values.len() as u64));
     let base = values_of(spec.scene.values()) + values_of(profile.set.values());
     // Of each axis one value is set at a time.
-    let swept: u64 = spec.sweep.iter().flat_map(|axis| axis.values.iter().map(value_count).max()).sum();
-    let (mut blocks, mut values) = (0_u64, 0_u64);
+    let swept =
+        |arm| axes_of(spec, arm).flat_map(|axis| axis.values.iter().map(value_count).max()).sum::<u64>();
+    let (mut most_points, mut blocks, mut cases, mut values) = (0_u64, 0_u64, 0_u64, 0_u64);
     for arm in spec.arm.iter().filter(|arm| runs(profile, arm)) {
+        let points = axes_of(spec, arm).fold(1_u64, |n, axis| n.saturating_mul(axis.values.len() as u64));
         let count = blocks_of(spec, profile, arm).count;
+        let own_cases = points.saturating_mul(count);
         let checked = checked_by(spec, arm).map_or(0, |arm| values_of(own(profile, arm).map(|(_, v)| v)));
         let own = values_of(own(profile, arm).map(|(_, value)| value));
+        most_points = most_points.max(points);
         blocks = blocks.saturating_add(count);
-        values = values.saturating_add(count.saturating_mul(base + swept + checked + own));
+        cases = cases.saturating_add(own_cases);
+        values = values.saturating_add(own_cases.saturating_mul(base + swept(arm) + checked + own));
     }
-    let (cases, values) = (points.saturating_mul(blocks), points.saturating_mul(values));
     let message = if cases > MOST_CASES {
         format!(
-            "{cases} cases ({points} points of the sweep, {blocks} blocks of all arms together); allowed: \
+            "{cases} cases ({most_points} points of the sweep, {blocks} blocks of all arms together); allowed: \
              {MOST_CASES}; make the sweep or the blocks fewer"
         )
     } else if values > MOST_VALUES {
@@ -212,6 +227,11 @@ fn blocks_of(spec: &StudySpec, profile: &ProfileSpec, arm: &ArmSpec) -> BlockSpe
     profile.blocks.unwrap_or(BlockSpec { count: arm.blocks.unwrap_or(spec.blocks.count), ..spec.blocks })
 }
 
+/// The axes that an arm is run along.
+fn axes_of<'a>(spec: &'a StudySpec, arm: &'a ArmSpec) -> impl Iterator<Item = &'a SweepSpec> {
+    spec.sweep.iter().filter(|axis| axis.takes(&arm.id))
+}
+
 /// One point of one axis.
 struct AxisPoint<'a> {
     name: &'a str,
@@ -221,11 +241,10 @@ struct AxisPoint<'a> {
 }
 
 fn points_of(axis: &SweepSpec) -> Vec<AxisPoint<'_>> {
-    let numbers = axis.numbers.as_deref().unwrap_or_default();
     let point = |(index, value)| AxisPoint {
         name: &axis.name,
         settings: settings_of(axis, value),
-        number: numbers.get(index).copied().unwrap_or_else(|| number(value)),
+        number: axis.number(index),
     };
     axis.values.iter().enumerate().map(point).collect()
 }
@@ -245,10 +264,6 @@ fn combinations<'a>(axes: &'a [Vec<AxisPoint<'a>>]) -> Vec<Vec<&'a AxisPoint<'a>
     axes.iter().fold(vec![Vec::new()], |rows, points| {
         rows.iter().flat_map(|row| points.iter().map(|point| [row.as_slice(), &[point]].concat())).collect()
     })
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_float().or_else(|| value.as_integer().map(|i| i as f64)).unwrap_or(f64::NAN)
 }
 
 /// What is set in an arm and nowhere else.

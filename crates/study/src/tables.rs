@@ -156,7 +156,7 @@ pub fn cases(results: &[CaseResult]) -> Table {
 fn arm_and_axes(row: &mut Row, result: &CaseResult) {
     row.put("arm", "-", "arm of the study", result.case.arm.as_str());
     for (name, number) in &result.case.axes {
-        row.number(name, "-", "axis of the sweep", *number);
+        row.put(name, "-", "axis of the sweep", *number);
     }
 }
 
@@ -277,7 +277,7 @@ fn measured(row: &mut Row, result: &CaseResult) {
     .put("ln_neff_bonds", "-", "A by the bond graph", m.map(|m| m.ln_neff_bonds))
     .put("ln_neff_kernel", "-", "A by the kernel graph", m.map(|m| m.ln_neff_kernel))
     .put("ln_neff_earlier", "-", "A one settle window earlier", m.map(|m| m.ln_neff_earlier))
-    .put("ln_extent", "-", "ln of the horizontal width of 90 % of the mass [m]", m.map(|m| m.ln_extent))
+    .put("ln_extent", "-", "ln of the horizontal width of 90 % of the mass [m]", m.and_then(|m| m.ln_extent))
     .put(
         "run_out",
         "m",

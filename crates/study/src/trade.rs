@@ -26,7 +26,7 @@ pub struct Trade {
     /// Line of the figure.
     pub family: String,
     /// Point of the sweep.
-    pub axes: Vec<(String, f64)>,
+    pub axes: Vec<(String, Option<f64>)>,
     /// Blocks that both arms have.
     pub blocks: usize,
     /// Blocks of the arm that stopped.
@@ -207,7 +207,7 @@ pub fn table(trades: &[Trade]) -> Table {
         let mut row = Row::default();
         row.put("arm", "-", "arm", trade.arm.as_str());
         for (name, number) in &trade.axes {
-            row.number(name, "-", "axis of the sweep", *number);
+            row.put(name, "-", "axis of the sweep", *number);
         }
         row.count("blocks", "blocks compared with the reference", trade.blocks as u64)
             .count("stopped", "blocks that stopped", trade.stopped as u64)

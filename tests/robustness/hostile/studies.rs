@@ -100,7 +100,7 @@ fn hold_accepted(spec: &StudySpec, text: &str) {
                 assert!((1..=MOST_CASES).contains(&(study.cases.len() as u64)), "{text}");
                 for case in study.cases.iter().take(5).chain(study.cases.last()) {
                     case.scene.validate().expect(text);
-                    assert!(case.axes.iter().all(|(_, number)| number.is_finite()), "{text}");
+                    assert!(case.point().all(|(_, number)| number.is_finite()), "{text}");
                 }
             }
         }

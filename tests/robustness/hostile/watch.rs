@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 /// An input that takes longer is a hang (chosen: a thousand times what the slowest takes on a busy machine).
 const LONGEST: Duration = Duration::from_secs(20);
 
-type AtWork = HashMap<ThreadId, (&'static str, u64, Instant)>;
+type AtWork = HashMap<ThreadId, (String, Instant)>;
 
 /// Every input at work; with it begins the thread that looks after them.
 static AT_WORK: LazyLock<Mutex<AtWork>> = LazyLock::new(|| {
@@ -20,8 +20,9 @@ static AT_WORK: LazyLock<Mutex<AtWork>> = LazyLock::new(|| {
 pub struct Watch;
 
 impl Watch {
-    pub fn over(reader: &'static str, number: u64) -> Self {
-        with_all(|all| all.insert(thread::current().id(), (reader, number, Instant::now())));
+    /// `input` tells which one, and how it is repeated.
+    pub fn over(input: String) -> Self {
+        with_all(|all| all.insert(thread::current().id(), (input, Instant::now())));
         Watch
     }
 }
@@ -39,14 +40,9 @@ fn with_all<T>(change: impl FnOnce(&mut AtWork) -> T) -> T {
 fn look_after() {
     loop {
         thread::sleep(Duration::from_secs(1));
-        let late = |all: &mut AtWork| all.values().copied().find(|(.., begin)| begin.elapsed() > LONGEST);
-        if let Some((reader, number, begin)) = with_all(late) {
-            let seconds = begin.elapsed().as_secs();
-            let variable = super::VARIABLE;
-            eprintln!(
-                "input {number} of {reader} is at work for {seconds} s; {variable}={number}..{} repeats it",
-                number + 1
-            );
+        let late = |all: &mut AtWork| all.values().find(|(_, begin)| begin.elapsed() > LONGEST).cloned();
+        if let Some((input, begin)) = with_all(late) {
+            eprintln!("at work for {} s: {input}", begin.elapsed().as_secs());
             std::process::abort();
         }
     }

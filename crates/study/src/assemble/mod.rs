@@ -6,7 +6,7 @@ mod obstacle;
 mod region;
 mod vector;
 
-pub use numerics::{engine, kernel, transfer};
+pub use numerics::{engine, kernel, material, transfer};
 pub use region::region;
 
 use std::path::Path;
@@ -128,14 +128,14 @@ impl Made {
 /// One of the output's time units [s].
 ///
 /// # Errors
-/// Crossing times of a body at rest.
+/// Crossing times of a body at rest or without extent.
 pub fn time_unit(output: &OutputSpec, crossing_time: f64) -> Result<f64, SpecError> {
     match output.time_unit {
         TimeUnit::Second => Ok(1.0),
-        TimeUnit::Crossing if crossing_time.is_finite() => Ok(crossing_time),
+        TimeUnit::Crossing if crossing_time.is_finite() && crossing_time > 0.0 => Ok(crossing_time),
         TimeUnit::Crossing => Err(SpecError::value(
             "`output.time_unit`",
-            "is `crossing`, but the first body does not move; use `second`",
+            "is `crossing`, but the first body does not move or has no extent; use `second`",
         )),
     }
 }

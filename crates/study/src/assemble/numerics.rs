@@ -106,7 +106,8 @@ pub(super) fn time_step(n: &NumericsSpec) -> TimeStepControl {
     }
 }
 
-pub(super) fn material<T: Real>(spec: &MaterialSpec) -> Material<T> {
+/// The material that a body names.
+pub fn material<T: Real>(spec: &MaterialSpec) -> Material<T> {
     match *spec {
         MaterialSpec::Elastic { young, poisson, .. } => {
             Material::Elastic(Elastic { lame: Lame::from_young(young, poisson) })

@@ -8,7 +8,7 @@ use snowlab_study::manifest::{Program, StudyManifest, revision};
 use snowlab_study::present::{Findings, Provenance, present};
 use snowlab_study::results::{Archive, CaseResult};
 use snowlab_study::table::{Table, dictionary};
-use snowlab_study::{tables, trade};
+use snowlab_study::{outcome_map, tables, trade};
 
 use super::opened::{Opened, StudyArguments, stopped, use_study};
 use super::{Exit, print_json};
@@ -137,7 +137,9 @@ fn write_tables(archive: &Archive, results: &[CaseResult], text: &str, more: &[T
     let timings = tables::timings(results);
     let trades = trade::trades(archive, results)?;
     let trades = (!trades.is_empty()).then(|| trade::table(&trades));
-    let all: Vec<&Table> = own.iter().chain(more).chain([&timings]).chain(&trades).collect();
+    let maps = outcome_map::maps(archive.study, results);
+    let maps = (!maps.is_empty()).then(|| outcome_map::table(&maps));
+    let all: Vec<&Table> = own.iter().chain(more).chain([&timings]).chain(&trades).chain(&maps).collect();
     for table in &all {
         table.write(archive.store.root())?;
     }

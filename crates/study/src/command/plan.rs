@@ -38,7 +38,7 @@ pub struct PlanArguments {
 struct PlannedCase<'a> {
     key: &'a str,
     arm: &'a str,
-    axes: &'a [(String, f64)],
+    axes: &'a [(String, Option<f64>)],
     block: u64,
     #[serde(flatten)]
     status: &'a Status,

@@ -12,6 +12,7 @@ pub mod drawing;
 pub mod energy;
 mod error;
 pub mod forest;
+pub mod outcomes;
 mod panel;
 pub mod pilot;
 mod raster;

@@ -112,7 +112,7 @@ impl<const D: usize> BondGraph<D> {
     }
 
     /// The crack that cuts so many bonds: its length [m] in 2D, its area [m^2] in 3D; `None` without an
-    /// interior.
+    /// interior that has bonds.
     ///
     /// The pairs within l that a straight cut separates number n^2 int_{|r| < l, r_y > 0} r_y dr per unit of
     /// cut: (2/3) n^2 l^3 in 2D, (pi/4) n^2 l^4 in 3D, for particles placed independently. Where a cut comes
@@ -122,7 +122,7 @@ impl<const D: usize> BondGraph<D> {
     pub fn crack_measure(&self, cut_bonds: usize) -> Option<f64> {
         let l = self.bond_length();
         let moment = if D == 2 { 2.0 / 3.0 * l.powi(3) } else { PI / 4.0 * l.powi(4) };
-        self.number_density().map(|n| cut_bonds as f64 / (n * n * moment))
+        self.number_density().filter(|n| *n > 0.0).map(|n| cut_bonds as f64 / (n * n * moment))
     }
 
     /// Which bonds hold at `positions` [m], given in the order of the reference positions: those of length at

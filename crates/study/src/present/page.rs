@@ -1,15 +1,18 @@
 //! The report's data from a study's findings.
 
 use crate::claims::Verdict;
+use crate::outcome_map::{maps, table};
 use crate::record::Outcome;
 use crate::report::{
     ReportArm, ReportData, ReportError, ReportFact, ReportFailure, ReportFigure, ReportOutcome, ReportTable,
     ReportVerdict, html,
 };
+use crate::results::CaseResult;
+use crate::spec::StudySpec;
 use crate::spec::scene::{EngineName, PrecisionName};
 use crate::statistics::{Interval, OperatingSpeed, summarise};
 use crate::store::{METRIC_VERSION, SOLVER_VERSION};
-use crate::table::Row;
+use crate::table::{Cell, Row};
 use crate::tables::{case_row, groups, usable};
 
 use super::Findings;
@@ -41,6 +44,8 @@ pub fn page(
     figures: Vec<ReportFigure>,
 ) -> Result<String, ReportError> {
     let spec = &findings.archive.study.spec;
+    let listed: Vec<CaseResult> = findings.results.iter().filter(|r| !is_mapped(spec, r)).cloned().collect();
+    let listed = Findings { results: &listed, ..findings };
     let mut caveats = spec.caveats.clone();
     if !findings.judged.is_empty() {
         caveats.extend(findings.gates.words.iter().cloned());
@@ -51,11 +56,11 @@ pub fn page(
         subtitle: format!("profile {}, {} cases", findings.archive.study.profile, findings.results.len()),
         question: spec.question.split("\n\n").map(str::to_string).collect(),
         caveats,
-        arms: arms(findings),
+        arms: arms(listed),
         verdicts: findings.judged.iter().map(|judged| verdict(findings, judged)).collect(),
         figures,
-        tables: vec![summary(findings)],
-        failures: failures(findings),
+        tables: [summary(listed)].into_iter().chain(limits(findings)).collect(),
+        failures: failures(listed),
         provenance: facts(findings, provenance),
     };
     html(&data)
@@ -119,8 +124,7 @@ fn selection(group: &[&crate::results::CaseResult]) -> String {
 }
 
 fn name(findings: Findings, result: &crate::results::CaseResult) -> String {
-    let point: Vec<String> =
-        result.case.axes.iter().map(|(axis, value)| format!(", {axis} {value}")).collect();
+    let point: Vec<String> = result.case.point().map(|(axis, value)| format!(", {axis} {value}")).collect();
     let label = findings.archive.study.label(&result.case.arm);
     let same_label =
         findings.archive.study.spec.arm.iter().filter(|arm| arm.label.as_ref() == Some(&label)).count();
@@ -179,6 +183,28 @@ fn summary(findings: Findings) -> ReportTable {
         columns,
         rows: rows.collect(),
     }
+}
+
+/// Whether a case is shown by a map of the study, and not one by one.
+fn is_mapped(spec: &StudySpec, result: &CaseResult) -> bool {
+    spec.map.iter().any(|map| map.arms_of(spec).contains(&result.case.arm.as_str()))
+}
+
+/// The limits that the maps show.
+fn limits(findings: Findings) -> Option<ReportTable> {
+    let table = table(&maps(findings.archive.study, findings.results));
+    let shown = |cell: &Cell| match cell {
+        Cell::Text(text) => text.clone(),
+        Cell::Number(number) => format!("{number:.3e}"),
+        _ => "-".into(),
+    };
+    let columns: Vec<String> = table.columns().iter().map(|column| column.name.clone()).collect();
+    (!columns.is_empty()).then(|| ReportTable {
+        title: "Limits found and derived".into(),
+        note: "At each place of a map's vertical axis: how far along the horizontal one cases are sound, from where one is not, and where the first step is as long as the limit derived for it.".into(),
+        columns,
+        rows: table.rows.iter().map(|row| row.entries().map(|(_, cell)| shown(cell)).collect()).collect(),
+    })
 }
 
 fn failures(findings: Findings) -> Vec<ReportFailure> {

@@ -1,5 +1,6 @@
 //! What a user writes: scene and study files in TOML. Every key is documented in `docs/input.md`.
 
+mod map_rules;
 pub mod override_path;
 mod place;
 pub mod range;

@@ -43,6 +43,9 @@ pub struct StudySpec {
     /// Controls judged from the arms: a second family.
     #[serde(default)]
     pub control: Vec<Claim>,
+    /// Maps of how cases end over two axes of the sweep.
+    #[serde(default)]
+    pub map: Vec<MapSpec>,
     /// Ranges that the results must lie in.
     #[serde(default)]
     pub expect: Vec<ExpectSpec>,
@@ -134,6 +137,67 @@ pub struct SweepSpec {
     /// Numbers that stand for the values in tables; the values themselves when left out.
     #[serde(default)]
     pub numbers: Option<Vec<f64>>,
+    /// Arms that are run along it; all when left out. The others are run once, without what it sets.
+    #[serde(default)]
+    pub arms: Vec<String>,
+}
+
+impl SweepSpec {
+    /// The numbers that stand for its values in tables.
+    pub fn all_numbers(&self) -> Vec<f64> {
+        (0..self.values.len()).map(|index| self.number(index)).collect()
+    }
+
+    /// The number that stands for the value of this index, NaN for one that has none.
+    pub fn number(&self, index: usize) -> f64 {
+        let written = self.numbers.as_ref().and_then(|numbers| numbers.get(index).copied());
+        let own =
+            || self.values[index].as_float().or(self.values[index].as_integer().map(|whole| whole as f64));
+        written.or_else(own).unwrap_or(f64::NAN)
+    }
+
+    /// Whether the arm `id` is run along it.
+    pub fn takes(&self, id: &str) -> bool {
+        self.arms.is_empty() || self.arms.iter().any(|arm| arm == id)
+    }
+}
+
+/// A map of how cases end over two axes of the sweep: a figure and rows of `maps.csv`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MapSpec {
+    /// Short name: that of the figure.
+    pub id: String,
+    /// Title.
+    pub title: String,
+    /// Name of the axis that is laid out horizontally.
+    pub x: String,
+    /// Name of the axis that is laid out vertically.
+    pub y: String,
+    /// Words for the horizontal axis; its name when left out.
+    #[serde(default)]
+    pub x_label: Option<String>,
+    /// Words for the vertical axis; its name when left out.
+    #[serde(default)]
+    pub y_label: Option<String>,
+    /// Arms, a panel each; all that are run along both axes when left out.
+    #[serde(default)]
+    pub arms: Vec<String>,
+    /// What a case must be beside having ended well; nothing when left out.
+    #[serde(default)]
+    pub sound: Option<SoundSpec>,
+}
+
+/// What tells a sound case from one that ended well all the same.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SoundSpec {
+    /// A numeric column of `cases.csv`.
+    pub metric: String,
+    /// Its least and greatest value in a sound case.
+    pub range: [f64; 2],
+    /// Words for a case outside the range.
+    pub otherwise: String,
 }
 
 /// How fragments are measured. Lengths are in metres and the same in every arm.

@@ -34,7 +34,7 @@ const MOST_IN_NAME: usize = 64;
 const ENDINGS: [&str; 2] = [".csv", ".html"];
 
 /// Ids of all arms, and of those that check another one.
-struct Ids<'a> {
+pub(super) struct Ids<'a> {
     all: BTreeSet<&'a str>,
     checks: BTreeSet<&'a str>,
 }
@@ -45,7 +45,7 @@ impl<'a> Ids<'a> {
         Ids { all: ids(&mut arms.iter()), checks: ids(&mut arms.iter().filter(|arm| arm.check.is_some())) }
     }
 
-    fn check(&self, place: impl Into<String>, id: &str) -> Result<(), SpecError> {
+    pub(super) fn check(&self, place: impl Into<String>, id: &str) -> Result<(), SpecError> {
         if self.all.contains(id) {
             return Ok(());
         }
@@ -64,7 +64,8 @@ impl Spec for StudySpec {
         if self.scene.contains_key("seed") {
             return refuse("`scene.seed`", "is the number of the block in a study; set `blocks.first`");
         }
-        self.check_sweep()?;
+        self.check_sweep(ids)?;
+        self.check_maps(ids)?;
         self.noise_floor.iter().try_for_each(|id| ids.check("`noise_floor`", id))?;
         for (family, claims) in [("claim", &self.claim), ("control", &self.control)] {
             claims.iter().enumerate().try_for_each(|(n, claim)| self.check_claim(ids, family, n, claim))?;
@@ -135,7 +136,7 @@ impl StudySpec {
         self.arm.iter().find(|arm| arm.id == id).and_then(|arm| arm.check.as_ref())
     }
 
-    fn check_sweep(&self) -> Result<(), SpecError> {
+    fn check_sweep(&self, ids: &Ids) -> Result<(), SpecError> {
         if self.sweep.len() > MOST_AXES {
             let message = format!("has {} axes; allowed: {MOST_AXES}", self.sweep.len());
             return refuse("`sweep`", format!("{message}; set several paths by one axis, or leave some out"));
@@ -160,6 +161,7 @@ impl StudySpec {
             }
             self.check_seed_is_not_set(&format!("sweep.{number}.path"), axis.path.iter())?;
             check_values(axis, place)?;
+            axis.arms.iter().try_for_each(|id| ids.check(place("arms"), id))?;
             if axis.path.is_none() {
                 for (value, settings) in axis.values.iter().enumerate() {
                     let Some(settings) = settings.as_table() else {
@@ -196,11 +198,7 @@ impl StudySpec {
 
     fn check_expect(&self, ids: &Ids, number: usize, expect: &ExpectSpec) -> Result<(), SpecError> {
         let place = |key: &str| format!("`expect.{number}.{key}`");
-        let [least, greatest] = expect.range;
-        if !(least <= greatest) {
-            let message = format!("is [{least:?}, {greatest:?}]; allowed: [least, greatest], least first");
-            return refuse(place("range"), message);
-        }
+        check_ends(place("range"), expect.range)?;
         self.check_metric(place("metric"), &expect.metric)?;
         expect.arms.iter().try_for_each(|id| ids.check(place("arms"), id))?;
         for name in &expect.profiles {
@@ -214,7 +212,7 @@ impl StudySpec {
         Ok(())
     }
 
-    fn check_metric(&self, place: String, metric: &str) -> Result<(), SpecError> {
+    pub(super) fn check_metric(&self, place: String, metric: &str) -> Result<(), SpecError> {
         let axes = self.sweep.iter().map(|axis| axis.name.as_str());
         let known: Vec<&str> = CASE_NUMBERS.into_iter().chain(axes).collect();
         if known.contains(&metric) {
@@ -260,6 +258,13 @@ impl StudySpec {
         profile.blocks.iter().try_for_each(|blocks| check_blocks(&format!("{key}.blocks"), blocks))?;
         profile.measure.iter().try_for_each(|measure| check_measure(&format!("{key}.measure"), measure))
     }
+}
+
+pub(super) fn check_ends(place: String, [least, greatest]: [f64; 2]) -> Result<(), SpecError> {
+    if least <= greatest {
+        return Ok(());
+    }
+    refuse(place, format!("is [{least:?}, {greatest:?}]; allowed: [least, greatest], least first"))
 }
 
 fn check_check(ids: &Ids, place: &str, check: &CheckSpec, repeated: bool) -> Result<(), SpecError> {
@@ -323,7 +328,7 @@ fn check_number(place: &str, key: &str, value: f64) -> Result<(), SpecError> {
     }
 }
 
-fn check_name(place: &str, name: &str) -> Result<(), SpecError> {
+pub(super) fn check_name(place: &str, name: &str) -> Result<(), SpecError> {
     let plain = (1..=MOST_IN_NAME).contains(&name.len())
         && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || "-_.".contains(c))
         && !name.starts_with('.');
@@ -339,6 +344,6 @@ fn check_name(place: &str, name: &str) -> Result<(), SpecError> {
     )
 }
 
-fn refuse(place: impl Into<String>, message: impl Into<String>) -> Result<(), SpecError> {
+pub(super) fn refuse(place: impl Into<String>, message: impl Into<String>) -> Result<(), SpecError> {
     Err(SpecError::value(place, message))
 }

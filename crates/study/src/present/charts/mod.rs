@@ -4,6 +4,7 @@ mod claims;
 mod curves;
 mod endpoints;
 mod energies;
+mod maps;
 mod pilot;
 mod stretch;
 mod trade;
@@ -31,6 +32,9 @@ pub fn all(findings: Findings) -> anyhow::Result<Vec<Titled>> {
     let trades = trade::charts(findings)?;
     if !trades.is_empty() {
         return Ok(trades);
+    }
+    if !findings.archive.study.spec.map.is_empty() {
+        return maps::charts(findings);
     }
     if !findings.archive.study.spec.sweep.is_empty() {
         return Ok(pilot::pilot_chart(findings)?.into_iter().collect());

@@ -40,8 +40,7 @@ type SpeedTrials = (Vec<f64>, Vec<(String, Vec<Vec<f64>>)>, Option<f64>);
 
 fn speed_trials(findings: Findings) -> SpeedTrials {
     let study = findings.archive.study;
-    let speed_of =
-        |r: &CaseResult| r.case.axes.iter().find(|(name, _)| name == "speed").map(|(_, value)| *value);
+    let speed_of = |r: &CaseResult| r.case.number("speed");
     let mut speeds: Vec<f64> = findings.results.iter().filter_map(speed_of).collect();
     speeds.sort_by(f64::total_cmp);
     speeds.dedup();
@@ -77,7 +76,7 @@ pub fn operating_point(results: &[CaseResult], arms: &[&str]) -> Option<(Operati
     for name in obstacles {
         let mut trials: Vec<SpeedTrial> = Vec::new();
         for result in results.iter().filter(|r| obstacle(&r.case.arm) == name && usable(r)) {
-            let speed = result.case.axes.iter().find(|(axis, _)| axis == "speed").map(|(_, value)| *value);
+            let speed = result.case.number("speed");
             if let (Some(speed), Some(metrics)) = (speed, &result.metrics) {
                 match trials.iter_mut().find(|trial| trial.speed == speed) {
                     Some(trial) => trial.damages.push(metrics.end.damage),

@@ -10,7 +10,7 @@ use super::{Findings, Titled};
 pub(super) fn charts(findings: Findings) -> anyhow::Result<Vec<Titled>> {
     let trades = trades(findings.archive, findings.results)?;
     let compared = trades.iter().filter(|trade| trade.blocks > 0 && trade.error() > 0.0);
-    let mut points: Vec<&[(String, f64)]> = Vec::new();
+    let mut points: Vec<&[(String, Option<f64>)]> = Vec::new();
     compared.clone().for_each(|trade| {
         if !points.contains(&trade.axes.as_slice()) {
             points.push(&trade.axes);
@@ -60,14 +60,16 @@ fn families(trades: &[Trade]) -> Vec<String> {
 }
 
 /// The words of a point of the sweep.
-fn name_of(findings: Findings, axes: &[(String, f64)]) -> String {
+fn name_of(findings: Findings, axes: &[(String, Option<f64>)]) -> String {
     let spec = &findings.archive.study.spec;
-    let word = |(name, number): &(String, f64)| {
+    let word = |(name, number): (&String, f64)| {
         let axis = spec.sweep.iter().find(|axis| axis.name == *name);
         let numbers = axis.and_then(|axis| axis.numbers.as_ref());
-        let place = numbers.and_then(|numbers| numbers.iter().position(|n| n == number));
+        let place = numbers.and_then(|numbers| numbers.iter().position(|n| *n == number));
         let label = axis.and_then(|axis| axis.labels.as_ref()?.get(place?).cloned());
         label.unwrap_or_else(|| format!("{name} = {number}"))
     };
-    if axes.is_empty() { spec.name.clone() } else { axes.iter().map(word).collect::<Vec<_>>().join(", ") }
+    let point = axes.iter().filter_map(|(name, number)| Some((name, (*number)?)));
+    let words: Vec<String> = point.map(word).collect();
+    if words.is_empty() { spec.name.clone() } else { words.join(", ") }
 }
