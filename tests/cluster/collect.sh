@@ -1,6 +1,7 @@
 #!/bin/bash
 #SBATCH --job-name=snowlab-placement-collect
 #SBATCH --cpus-per-task=1
+#SBATCH --mem=350M
 #SBATCH --time=60
 #SBATCH --open-mode=append
 #SBATCH '--output=/home/ada/snow/my results/placement/full/slurm/collect.log'

@@ -32,3 +32,10 @@ fn hold_tables(desk: &Desk, folder: &str, local: &str) {
         assert!(found[path] == *bytes, "{} differs from the local run's", path.display());
     }
 }
+
+/// The list of elements that a script reads.
+fn list_of(desk: &Desk, script: &str) -> String {
+    let name =
+        script.split('/').find_map(|rest| rest.strip_prefix("elements-")).expect("the script names it");
+    desk.read(&format!("results/tiny/slurm/elements-{}", &name[..16]))
+}

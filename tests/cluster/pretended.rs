@@ -25,13 +25,19 @@ esac >> sbatch.log 2>&1
 echo "4711;somewhere"
 "#;
 
+/// Puts a program into the folder that is searched first.
+fn install(desk: &Desk, name: &str, script: &str) {
+    std::fs::create_dir_all(desk.path("bin")).unwrap();
+    let path = format!("bin/{name}");
+    desk.write(&path, script);
+    std::fs::set_permissions(desk.path(&path), PermissionsExt::from_mode(0o755)).unwrap();
+}
+
 #[test]
 fn whatever_a_scheduler_does_the_tables_are_those_of_a_local_run() {
-    let desk = Desk::with(&[("study.toml", &study(&[ARMS, STOPPING_ARM].concat())), ("bin-sbatch", SBATCH)]);
+    let desk = Desk::with(&[("study.toml", &study(&[ARMS, STOPPING_ARM].concat()))]);
     desk.expect(3, "run study.toml --jobs 2 --out local");
-    std::fs::create_dir(desk.path("bin")).unwrap();
-    std::fs::rename(desk.path("bin-sbatch"), desk.path("bin/sbatch")).unwrap();
-    std::fs::set_permissions(desk.path("bin/sbatch"), PermissionsExt::from_mode(0o755)).unwrap();
+    install(&desk, "sbatch", SBATCH);
     let path = format!("{}:{}", desk.path("bin").display(), std::env::var("PATH").unwrap());
     let snowlab = |words: &str| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_snowlab"));
@@ -51,9 +57,24 @@ fn whatever_a_scheduler_does_the_tables_are_those_of_a_local_run() {
     assert!(calls.lines().all(|call| call.contains("--partition=long --qos=low")), "{calls}");
     assert!(calls.contains("--dependency=afterany:4711"), "{calls}");
     hold_tables(&desk, "results", "local");
-    // A cluster that says no is told of in its words.
-    desk.write("bin/sbatch", "#!/bin/sh\necho 'no such partition' >&2\nexit 1\n");
+    // Of elements that wait or run nothing is submitted a second time.
     std::fs::remove_dir_all(desk.path("results/tiny/cases")).unwrap();
+    install(&desk, "sbatch", "#!/bin/sh\necho 4712\n");
+    install(
+        &desk,
+        "squeue",
+        "#!/bin/sh\necho \"$@\" >> squeue.calls\nfor k in 0 1 2; do echo 4711_$k PENDING Priority; done\n",
+    );
+    let (code, printed) = snowlab("submit study.toml --element-time 0s");
+    assert_eq!(code, Some(0), "{printed}");
+    assert!(printed.contains("3 cases are left to elements that wait or run"), "{printed}");
+    assert!(printed.contains("5 cases in 5 elements"), "{printed}");
+    let (_, status) = snowlab("status study.toml");
+    assert!(status.contains("queued       4711_1  PENDING Priority"), "{status}");
+    let calls = desk.read("squeue.calls");
+    assert!(calls.lines().last().unwrap().ends_with("-j 4711,4711,4712,4712"), "both submissions: {calls}");
+    // A cluster that says no is told of in its words.
+    install(&desk, "sbatch", "#!/bin/sh\necho 'no such partition' >&2\nexit 1\n");
     let (code, printed) = snowlab("submit study.toml");
     assert_eq!(code, Some(2));
     assert!(printed.contains("no such partition"), "{printed}");

@@ -5,8 +5,8 @@ use std::process::Output;
 use std::time::Duration;
 
 use crate::desk::{Desk, study};
-use crate::hold_tables;
 use crate::slurm::{Job, SAVE_DELAY, Slurm};
+use crate::{hold_tables, list_of};
 
 /// Time for any phase (chosen: the longest takes a minute on a free machine).
 const LIMIT: Duration = Duration::from_secs(300);
@@ -100,7 +100,7 @@ fn element_with(slurm: &Slurm, desk: &Desk, arm: &str) -> Job {
     let plan = desk.expect(0, "plan study.toml --no-trials");
     let line = plan.lines().find(|line| line.contains(&format!("  {arm} block"))).expect("a case of the arm");
     let key = line.split_whitespace().nth(1).expect("a key");
-    let list = desk.read("results/tiny/slurm/elements.txt");
+    let list = list_of(desk, &desk.read("results/tiny/slurm/array.sh"));
     let element = list.lines().position(|line| line.contains(key)).expect("its element");
     let mut jobs = slurm.jobs().into_iter();
     jobs.rfind(|job| job.id.ends_with(&format!("_{element}"))).expect("a job of the element")

@@ -144,7 +144,7 @@ fn hold_row<const D: usize>(scene: SceneSpec, frames: &Frames<D>, record: RunRec
         None => (None, None),
     };
     let case = Case { arm: "random".into(), block: scene.seed, axes: Vec::new(), scene };
-    let row = case_row(&CaseResult { case, key: String::new(), record, metrics, unmeasured });
+    let row = case_row(&CaseResult { case, key: String::new(), record, metrics, unmeasured, manifest: None });
     for (definition, cell) in row.entries() {
         // Without voids there is no narrowest one.
         let number = !matches!(cell, Cell::Number(number) if !number.is_finite());

@@ -8,6 +8,7 @@ mod measure;
 mod memory;
 mod notation;
 mod panics;
+mod particle_files;
 mod preflight;
 mod report;
 mod reproducibility_page;

@@ -9,6 +9,7 @@ mod exit_codes;
 mod harness;
 mod makefile;
 mod maps;
+mod repairing;
 mod reports;
 mod resuming;
 mod scenes;

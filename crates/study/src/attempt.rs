@@ -1,4 +1,4 @@
-//! Who is at work on a case: a mark in its folder while it runs, which is left where the runner was killed, and the case's log.
+//! Who is at work on a case: a mark in its folder until it is finished, which tells who has ended from who was killed, and the case's log.
 
 use std::fs::OpenOptions;
 use std::io::Write;
@@ -14,6 +14,9 @@ pub const MARK: &str = "attempt.json";
 /// Name of the log.
 pub const LOG: &str = "log.txt";
 
+/// What is of use only until a case is finished.
+pub const PASSING: [&str; 3] = [CheckpointFile::NAME, FAILURE, MARK];
+
 /// Somebody at work on a case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Attempt {
@@ -25,10 +28,13 @@ pub struct Attempt {
     pub process: u32,
     /// When it began, UTC.
     pub began: String,
+    /// When it ended without the case being finished, UTC; `None` while it goes on, and where it was killed.
+    #[serde(default)]
+    pub ended: Option<String>,
 }
 
 impl Attempt {
-    /// Marks a case as begun by this process. The mark of one who was killed before tells the number.
+    /// Marks a case as begun by this process, and takes the failure of an attempt before out of the way. The mark of that one tells the number.
     ///
     /// # Errors
     /// [`StoreError::Io`].
@@ -39,20 +45,23 @@ impl Attempt {
             host: host(),
             process: std::process::id(),
             began: now(),
+            ended: None,
         };
         folder.write_json(MARK, &attempt)?;
-        if let Some(Attempt { host, process, began, .. }) = before {
+        folder.remove(FAILURE)?;
+        if let Some(Attempt { host, process, began, ended: None, .. }) = before {
             log(folder, &format!("process {process} on {host}, begun {began}, was killed on the way"));
         }
         Ok(attempt)
     }
 
-    /// Removes the mark.
+    /// Marks it as ended, not killed; where that cannot be written the mark goes.
     ///
     /// # Errors
     /// [`StoreError::Io`].
-    pub fn end(folder: &CaseFolder) -> Result<(), StoreError> {
-        folder.remove(MARK)
+    pub fn end(self, folder: &CaseFolder) -> Result<(), StoreError> {
+        let ended = Attempt { ended: Some(now()), ..self };
+        folder.write_json(MARK, &ended).or_else(|_| folder.remove(MARK))
     }
 
     /// Removes what is of use only until a case is finished. A runner that was killed just then has left it.
@@ -60,12 +69,22 @@ impl Attempt {
     /// # Errors
     /// [`StoreError::Io`].
     pub fn clear(folder: &CaseFolder) -> Result<(), StoreError> {
-        [CheckpointFile::NAME, FAILURE, MARK].iter().try_for_each(|name| folder.remove(name))
+        PASSING.iter().try_for_each(|name| folder.remove(name))
     }
 
-    /// The mark in a case's folder. One that cannot be read says nothing.
-    pub fn left(folder: &CaseFolder) -> Option<Self> {
+    /// Whether there is any of that.
+    pub fn has_left(folder: &CaseFolder) -> bool {
+        PASSING.iter().any(|name| folder.path().join(name).exists())
+    }
+
+    /// The mark of the latest attempt in a case's folder. One that cannot be read says nothing.
+    fn left(folder: &CaseFolder) -> Option<Self> {
         folder.read_json(MARK).ok().flatten()
+    }
+
+    /// The latest attempt, where it has not ended: it goes on, or was killed.
+    pub fn not_ended(folder: &CaseFolder) -> Option<Self> {
+        Self::left(folder).filter(|attempt| attempt.ended.is_none())
     }
 
     /// Whether somebody is at work on the case now.

@@ -7,10 +7,11 @@ use crate::checkpoint::CheckpointFile;
 use crate::keeper::{CaseKeeper, Limits, Pause};
 use crate::manifest::{CaseManifest, MANIFEST, Program, peak_memory};
 use crate::measure::measure;
-use crate::record::{Outcome, RunRecord};
+use crate::record::{Outcome, RunRecord, in_full};
 use crate::results::{Archive, metrics_file};
 use crate::run::{Ended, Observer, run_kept};
-use crate::store::{Asked, CASE, FAILURE, SOLVER_VERSION, StoreError};
+use crate::spec::SpecError;
+use crate::store::{CASE, FAILURE, StoreError};
 
 /// How a case is to be run.
 #[derive(Clone, Copy, Debug)]
@@ -81,19 +82,41 @@ impl CaseEnd {
 
 impl Archive<'_> {
     /// Runs case number `index` and stores what it gives: frames first, the record last. A case that cannot be built leaves a record that says so.
-    /// One that fails for no fault of its own, by a panic or a limit, leaves one too, but still counts as missing.
+    /// One that fails for no fault of its own, by a panic, a limit or a particle file that is not what its key was made of, leaves one too, but still
+    /// counts as missing.
     ///
     /// # Errors
     /// [`StoreError`].
     pub fn run(&self, index: usize, job: &Job, observer: &mut impl Observer) -> Result<CaseEnd, StoreError> {
-        let scene = &self.study.cases[index].scene;
         let folder = self.case_folder(index);
         let attempt = Attempt::begin(&folder)?;
         log(&folder, &format!("begins: {} on {} thread(s)", self.describe(index), job.threads));
+        let end = self.attempt(index, job, &attempt, observer);
+        match &end {
+            Ok(CaseEnd::Finished) => {}
+            Ok(_) => attempt.end(&folder)?,
+            Err(error) => {
+                log(&folder, &format!("ends: {}", in_full(error)));
+                // The first error is the one to tell.
+                let _ = attempt.end(&folder);
+            }
+        }
+        end
+    }
+
+    /// What is done between the marks.
+    fn attempt(
+        &self,
+        index: usize,
+        job: &Job,
+        attempt: &Attempt,
+        observer: &mut impl Observer,
+    ) -> Result<CaseEnd, StoreError> {
+        let folder = self.case_folder(index);
         // What a panic leaves half done is the observer's count of steps and files that no record vouches for.
-        let ended = catch_unwind(AssertUnwindSafe(|| match scene.dimension {
-            3 => self.run_in::<3>(index, job, &attempt, observer),
-            _ => self.run_in::<2>(index, job, &attempt, observer),
+        let ended = catch_unwind(AssertUnwindSafe(|| match self.study.cases[index].scene.dimension {
+            3 => self.run_in::<3>(index, job, attempt, observer),
+            _ => self.run_in::<2>(index, job, attempt, observer),
         }));
         let end = match ended {
             Ok(end) => end?,
@@ -108,9 +131,8 @@ impl Archive<'_> {
             CaseEnd::Finished => Attempt::clear(&folder)?,
             CaseEnd::Failed(outcome) => {
                 folder.write_json(FAILURE, &RunRecord::without_particles(outcome.clone()))?;
-                Attempt::end(&folder)?;
             }
-            CaseEnd::Interrupted => Attempt::end(&folder)?,
+            CaseEnd::Interrupted => {}
         }
         Ok(end)
     }
@@ -124,19 +146,29 @@ impl Archive<'_> {
     ) -> Result<CaseEnd, StoreError> {
         let scene = &self.study.cases[index].scene;
         let folder = self.case_folder(index);
-        let scene_key = self.scene_key(index).unwrap_or_default();
-        folder
-            .write_json(CASE, &Asked { solver_version: SOLVER_VERSION, scene_key, scene: scene.clone() })?;
+        if let Some(message) = self.changed_input(index) {
+            return Ok(CaseEnd::Failed(Outcome::failed("input", message)));
+        }
+        folder.write_json(CASE, &self.asked(index))?;
         let mut keeper = CaseKeeper::new(&folder, self.key(index), job.limits);
         let ended = run_kept::<D>(scene, self.folder, job.threads, observer, &mut keeper);
+        if let Some(message) = self.changed_input(index) {
+            // What was put away may have begun with the other file.
+            folder.remove(CheckpointFile::NAME)?;
+            return Ok(CaseEnd::Failed(Outcome::failed("input", message)));
+        }
         let record = match ended {
             Ok(Ended::Paused(pause)) => return Ok(CaseEnd::paused(pause, job.limits)),
+            Ok(Ended::Lost(error)) => return Err(error),
             Ok(Ended::Run(run)) => {
                 folder.write_frames(&run.frames)?;
                 if let Ok(metrics) = measure(&self.study.measure, scene, &run.frames, &run.record) {
                     folder.write_json(&metrics_file(&self.study.measure), &metrics)?;
                 }
                 run.record
+            }
+            Err(error @ (SpecError::Particles { .. } | SpecError::Read { .. })) => {
+                return Ok(CaseEnd::Failed(Outcome::failed("input", error.to_string())));
             }
             Err(error) => RunRecord::without_particles(Outcome::not_built(error.to_string())),
         };

@@ -1,5 +1,5 @@
-//! What a case will take: particle-steps from earlier results of the same case or arm, and time from cases run on this machine, or from a short
-//! trial of each arm.
+//! What a case will take: particle-steps from earlier results of the same case, or of its arm at its point of the sweep, and time from such cases run on this
+//! machine, or both from a short trial.
 
 use std::collections::{BTreeMap, HashMap};
 use std::time::{Duration, Instant};
@@ -8,7 +8,7 @@ use serde::Serialize;
 use snowlab_solver::timestep::step_length;
 use snowlab_solver::{Real, Simulation};
 
-use crate::assemble::{Assembly, assemble, time_unit};
+use crate::assemble::{Assembly, assemble, region, time_unit};
 use crate::attempt::host;
 use crate::plan::Status;
 use crate::results::Archive;
@@ -23,7 +23,7 @@ use crate::sweep::Case;
 pub enum Basis {
     /// The same case has been run before.
     Case,
-    /// Others of its arm have.
+    /// Others of its arm, at its point of the sweep, have.
     Arm,
     /// Nothing like it has: its first step's length.
     FirstStep,
@@ -40,8 +40,21 @@ pub struct Cost {
     pub basis: Basis,
 }
 
-/// A trial of an arm goes on for so long (chosen: some hundred steps of the studies' scenes).
+/// How much is looked at to tell what cases will take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// What is known of the cases that are asked about: only ratios of what it gives mean something.
+    Own,
+    /// The study's table as well.
+    Table,
+    /// Where nothing is known of an arm at a point of the sweep it is tried for a moment.
+    Trials,
+}
+
+/// A trial goes on for so long (chosen: some hundred steps of the studies' scenes).
 const TRIAL: Duration = Duration::from_millis(300);
+/// All trials together; what is then left is scaled from them (chosen: a user waits so long).
+const TRIALS: Duration = Duration::from_secs(10);
 /// A case over a trial of it, per particle-step: a trial sees the flight, not the impact, where plastic flow costs more, and neither placing nor
 /// measuring (measured: the arms of `studies/placement.toml` have 1.0 to 1.3).
 const CASE_OVER_TRIAL: f64 = 1.15;
@@ -54,41 +67,38 @@ const WITH_FLIGHT: f64 = 1.25;
 #[derive(Debug, Default)]
 struct Known {
     by_key: HashMap<String, f64>,
-    by_arm: BTreeMap<String, Vec<f64>>,
+    by_place: BTreeMap<String, Vec<f64>>,
     /// ns per particle-step on this machine.
-    speed_by_arm: BTreeMap<String, Vec<f64>>,
+    speed_by_place: BTreeMap<String, Vec<f64>>,
 }
 
-/// What each case of the study will take, in the order of the study. With `trials` arms that nothing is known of are tried for a moment.
-pub fn costs(archive: &Archive, statuses: &[Status], trials: bool) -> Vec<Cost> {
-    let known = Known::of(archive, statuses);
-    let all: Vec<f64> = known.speed_by_arm.values().flatten().copied().collect();
-    let usual = median(&all);
-    let mut tried: BTreeMap<&str, Option<Trial>> = BTreeMap::new();
-    let cases = &archive.study.cases;
+/// What each of the cases will take that `statuses` are of, in their order.
+pub fn costs(archive: &Archive, statuses: &[Status], effort: Effort) -> Vec<Cost> {
+    let known = Known::of(archive, statuses, effort);
+    let all: Vec<f64> = known.speed_by_place.values().flatten().copied().collect();
+    let usual = median(&all).unwrap_or(USUAL);
+    let mut trials = Trials { archive, time: Duration::ZERO, found: BTreeMap::new(), over_rough: Vec::new() };
     let cost = |status: &Status| {
-        let case = &cases[status.index];
-        let steps = known.steps_of(archive.key(status.index), case);
-        let speed = known.speed_by_arm.get(&case.arm).and_then(|speeds| median(speeds)).or(usual);
-        let needed = trials && !status.state.is_done() && (steps.is_none() || speed.is_none());
-        let trial = match needed {
-            true => *tried.entry(&case.arm).or_insert_with(|| try_out(&case.scene, archive).ok()),
-            false => None,
-        };
+        let case = &archive.study.cases[status.index];
+        let place = place_of(case);
+        let steps = known.steps_of(archive.key(status.index), &place);
+        let speed = known.speed_by_place.get(&place).and_then(|speeds| median(speeds));
+        let is_needed = !status.state.is_done() && (steps.is_none() || speed.is_none());
+        let trial = if effort == Effort::Trials && is_needed { trials.of(case, place) } else { None };
         let (particle_steps, basis) = steps.unwrap_or_else(|| {
             let steps = trial.map_or_else(|| rough_steps(&case.scene), |trial| trial.particle_steps);
             (steps, Basis::FirstStep)
         });
-        let speed = speed.or(trial.map(|trial| trial.nanoseconds * CASE_OVER_TRIAL)).unwrap_or(USUAL);
+        let speed = speed.or(trial.map(|trial| trial.nanoseconds * CASE_OVER_TRIAL)).unwrap_or(usual);
         let rest = 1.0 - status.checkpoint.unwrap_or(0.0);
         Cost { particle_steps, seconds: 1e-9 * speed * particle_steps * rest, basis }
     };
     statuses.iter().map(cost).collect()
 }
 
-/// Wall time [s] of the cases of the given numbers, so many side by side, each on as many threads as are left for it.
-pub fn wall_time(costs: &[Cost], numbers: &[usize], side_by_side: usize) -> f64 {
-    let mut seconds: Vec<f64> = numbers.iter().map(|&index| costs[index].seconds).collect();
+/// Wall time [s] of cases, so many side by side on so many threads each.
+pub fn wall_time<'a>(costs: impl Iterator<Item = &'a Cost>, side_by_side: usize, threads: usize) -> f64 {
+    let mut seconds: Vec<f64> = costs.map(|cost| cost.seconds / threads.max(1) as f64).collect();
     seconds.sort_by(|a, b| b.total_cmp(a));
     let mut workers = vec![0.0_f64; side_by_side.max(1)];
     for case in seconds {
@@ -99,19 +109,21 @@ pub fn wall_time(costs: &[Cost], numbers: &[usize], side_by_side: usize) -> f64 
 }
 
 impl Known {
-    fn of(archive: &Archive, statuses: &[Status]) -> Self {
+    fn of(archive: &Archive, statuses: &[Status], effort: Effort) -> Self {
         let mut known = Known::default();
-        known.read_table(archive);
+        if effort != Effort::Own {
+            known.read_table(archive);
+        }
         let here = host();
         for Status { index, state, particle_steps, manifest, .. } in statuses {
             let Some(steps) = particle_steps.filter(|&steps| steps > 0 && state.is_done()) else { continue };
             let (key, case) = (archive.key(*index), &archive.study.cases[*index]);
             if known.by_key.insert(key.into(), steps as f64).is_none() {
-                known.by_arm.entry(place_of(case)).or_default().push(steps as f64);
+                known.by_place.entry(place_of(case)).or_default().push(steps as f64);
             }
             if let Some(manifest) = manifest.as_ref().filter(|m| m.program.host == here && m.threads == 1) {
                 let speed = 1e9 * manifest.wall_seconds / steps as f64;
-                known.speed_by_arm.entry(case.arm.clone()).or_default().push(speed);
+                known.speed_by_place.entry(place_of(case)).or_default().push(speed);
             }
         }
         known
@@ -130,15 +142,15 @@ impl Known {
             if let (Some(place), Some(steps)) = (places.get(key.as_str()), steps.filter(|steps| *steps > 0.0))
             {
                 self.by_key.insert(key.clone(), steps);
-                self.by_arm.entry(place.clone()).or_default().push(steps);
+                self.by_place.entry(place.clone()).or_default().push(steps);
             }
         }
     }
 
-    fn steps_of(&self, key: &str, case: &Case) -> Option<(f64, Basis)> {
+    fn steps_of(&self, key: &str, place: &str) -> Option<(f64, Basis)> {
         let own = self.by_key.get(key).map(|steps| (*steps, Basis::Case));
         own.or_else(|| {
-            let others = self.by_arm.get(&place_of(case))?;
+            let others = self.by_place.get(place)?;
             Some((others.iter().sum::<f64>() / others.len() as f64, Basis::Arm))
         })
     }
@@ -154,6 +166,38 @@ fn place_of(case: &Case) -> String {
 struct Trial {
     nanoseconds: f64,
     particle_steps: f64,
+}
+
+/// Trials, one for each arm and point of the sweep while there is time.
+struct Trials<'a> {
+    archive: &'a Archive<'a>,
+    time: Duration,
+    found: BTreeMap<String, Option<Trial>>,
+    /// Of each its time [ns] and its particle-steps over the rough ones.
+    over_rough: Vec<(f64, f64)>,
+}
+
+impl Trials<'_> {
+    fn of(&mut self, case: &Case, place: String) -> Option<Trial> {
+        if let Some(found) = self.found.get(&place) {
+            return *found;
+        }
+        if self.time >= TRIALS {
+            return self.scaled(rough_steps(&case.scene));
+        }
+        let began = Instant::now();
+        let trial = try_out(&case.scene, self.archive).ok();
+        self.time += began.elapsed();
+        self.over_rough.extend(trial.map(|t| (t.nanoseconds, t.particle_steps / rough_steps(&case.scene))));
+        self.found.insert(place, trial);
+        trial
+    }
+
+    /// What a trial of a case of so many rough particle-steps might find, by those that were made.
+    fn scaled(&self, rough: f64) -> Option<Trial> {
+        let (nanoseconds, ratios): (Vec<f64>, Vec<f64>) = self.over_rough.iter().copied().unzip();
+        Some(Trial { nanoseconds: median(&nanoseconds)?, particle_steps: median(&ratios)? * rough })
+    }
 }
 
 fn try_out(scene: &SceneSpec, archive: &Archive) -> Result<Trial, SpecError> {
@@ -183,16 +227,64 @@ fn try_steps<T: Real, const D: usize>(spec: &SceneSpec, archive: &Archive) -> Re
     })
 }
 
+/// R of the first body [m]: half its region's largest extent.
+fn radius(scene: &SceneSpec) -> f64 {
+    let half = |extents: &[f64]| 0.5 * extents.iter().copied().fold(0.0, f64::max);
+    let radius = scene.body[0].region.as_ref().and_then(|spec| match scene.dimension {
+        3 => region::<3>(spec, "region")
+            .map(|r| r.bounding_box())
+            .map(|b| half((b.max - b.min).as_slice()))
+            .ok(),
+        _ => region::<2>(spec, "region")
+            .map(|r| r.bounding_box())
+            .map(|b| half((b.max - b.min).as_slice()))
+            .ok(),
+    });
+    // chosen: a file's extent is not known before it is read.
+    radius.unwrap_or(0.5)
+}
+
 /// Particle-steps without a trial: only their ratios mean something. Particles times time over spacing, which steps go with.
 fn rough_steps(scene: &SceneSpec) -> f64 {
     // chosen: a file's length is not known before it is read.
     let count: usize = scene.body.iter().map(|body| body.placement.count().unwrap_or(10_000)).sum();
     let speed = scene.body[0].velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
     let duration = match scene.output.time_unit {
-        TimeUnit::Crossing => scene.output.end / speed.max(1e-3),
+        TimeUnit::Crossing => scene.output.end * radius(scene) / speed.max(1e-3),
         TimeUnit::Second => scene.output.end,
     };
     // chosen: waves in snow go at 10 to 20 m/s and steps are a fraction of the time in which they cross a cell.
     const CELLS_A_SECOND: f64 = 50.0;
     count as f64 * duration * CELLS_A_SECOND / scene.numerics.spacing
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec;
+
+    #[test]
+    fn rough_steps_go_with_particles_and_with_the_time_to_cross() {
+        let scene = |count: usize, radius: f64| {
+            let text = format!(
+                "[numerics]\nspacing = 0.05\n[[body]]\nregion = {{ kind = \"ball\", centre = [0.0, 1.0], radius = {radius} }}\n\
+                 placement = {{ kind = \"random\", count = {count} }}\nvelocity = [0.0, -8.0]\n\
+                 [output]\ntime_unit = \"crossing\"\nframe_interval = 0.5\nend = 1.0\n"
+            );
+            rough_steps(&spec::parse(&text).expect("a scene"))
+        };
+        let one = scene(300, 0.25);
+        assert_eq!([scene(600, 0.25), scene(300, 0.5)], [2.0 * one; 2]);
+        // 300 particles for 0.25 m / 8 m/s.
+        assert!((one - 300.0 * 0.03125 * 50.0 / 0.05).abs() < 1e-9 * one, "{one}");
+    }
+
+    #[test]
+    fn cases_fill_workers_longest_first_on_their_threads() {
+        let costs = [4.0, 6.0, 2.0].map(|seconds| Cost { particle_steps: 1.0, seconds, basis: Basis::Case });
+        assert_eq!(
+            [(1, 1), (2, 1), (2, 2), (9, 1)].map(|(n, t)| wall_time(costs.iter(), n, t)),
+            [12.0, 6.0, 3.0, 6.0]
+        );
+    }
 }

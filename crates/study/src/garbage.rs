@@ -5,11 +5,10 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use crate::attempt::MARK;
-use crate::checkpoint::CheckpointFile;
+use crate::attempt::PASSING;
 use crate::plan::folders_of;
 use crate::results::Archive;
-use crate::store::{FAILURE, StoreError, TEMPORARY};
+use crate::store::{StoreError, is_temporary};
 
 /// A file or folder that may go.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -39,7 +38,26 @@ pub fn garbage(archive: &Archive, wanted: &BTreeSet<String>, all: bool) -> Vec<G
             found.extend(leftovers(&path));
         }
     }
+    let study = archive.store.lock();
+    found.extend(unfinished(study.parent().unwrap_or(&study), archive.store.cases()));
     found
+}
+
+/// Why a half-written file may go.
+const UNFINISHED: &str = "left by a program that was killed while it wrote";
+
+/// Half-written files in a folder and those in it, but for `except`.
+fn unfinished(folder: &Path, except: &Path) -> Vec<Garbage> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    paths.sort();
+    let of = |path: PathBuf| match () {
+        () if path == except => Vec::new(),
+        () if is_temporary(&path) => vec![Garbage { bytes: size(&path), path, why: UNFINISHED }],
+        () if path.is_dir() => unfinished(&path, except),
+        () => Vec::new(),
+    };
+    paths.into_iter().flat_map(of).collect()
 }
 
 /// Files in a case's folder that nobody will read.
@@ -51,8 +69,8 @@ fn leftovers(folder: &Path) -> Vec<Garbage> {
             let path = entry.ok()?.path();
             let name = path.file_name()?.to_str()?;
             let why = match name {
-                _ if name.starts_with(TEMPORARY) => "left by a runner that was killed while it wrote",
-                CheckpointFile::NAME | FAILURE | MARK if finished => "of a case that is finished",
+                _ if is_temporary(&path) => UNFINISHED,
+                name if finished && PASSING.contains(&name) => "of a case that is finished",
                 _ => return None,
             };
             Some(Garbage { bytes: size(&path), path, why })

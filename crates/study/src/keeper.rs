@@ -9,8 +9,8 @@ use snowlab_solver::Real;
 
 use crate::attempt::log;
 use crate::checkpoint::{CheckpointFile, Put, Taken};
-use crate::record::HistoryRow;
-use crate::store::CaseFolder;
+use crate::record::{HistoryRow, in_full};
+use crate::store::{CaseFolder, StoreError};
 
 /// Why a run stopped before its end, for no fault of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,7 +43,16 @@ pub trait Keeper {
     /// Asked before every step.
     fn wish(&mut self, steps: u64) -> Wish;
     /// Puts the run away, `share` of which is done.
-    fn put(&mut self, share: f64, frames: Vec<u8>, history: &[HistoryRow], simulation: impl Serialize);
+    ///
+    /// # Errors
+    /// [`StoreError`], where it could not: what was put away before stays.
+    fn put(
+        &mut self,
+        share: f64,
+        frames: Vec<u8>,
+        history: &[HistoryRow],
+        simulation: impl Serialize,
+    ) -> Result<(), StoreError>;
 }
 
 /// A run that is kept nowhere.
@@ -58,7 +67,15 @@ impl Keeper for Unkept {
     fn wish(&mut self, _steps: u64) -> Wish {
         Wish::GoOn
     }
-    fn put(&mut self, _share: f64, _frames: Vec<u8>, _history: &[HistoryRow], _simulation: impl Serialize) {}
+    fn put(
+        &mut self,
+        _share: f64,
+        _frames: Vec<u8>,
+        _history: &[HistoryRow],
+        _simulation: impl Serialize,
+    ) -> Result<(), StoreError> {
+        Ok(())
+    }
 }
 
 /// What a case may take, and how often it is put away.
@@ -168,18 +185,24 @@ impl Keeper for CaseKeeper<'_> {
         self.wished
     }
 
-    fn put(&mut self, share: f64, frames: Vec<u8>, history: &[HistoryRow], simulation: impl Serialize) {
+    fn put(
+        &mut self,
+        share: f64,
+        frames: Vec<u8>,
+        history: &[HistoryRow],
+        simulation: impl Serialize,
+    ) -> Result<(), StoreError> {
         let began = Instant::now();
         let seconds = self.elapsed().as_secs_f64();
-        match self.file.write(share, &Put { frames, history, seconds, simulation }) {
-            Ok(()) => log(self.folder, &format!("put away at {:.1} % of the run", 100.0 * share)),
-            Err(error) => {
-                let cause = std::error::Error::source(&error).map_or(String::new(), |c| format!(": {c}"));
-                log(self.folder, &format!("cannot be put away, goes on: {error}{cause}"));
-            }
-        }
+        let written = self.file.write(share, &Put { frames, history, seconds, simulation });
+        let line = match &written {
+            Ok(()) => format!("put away at {:.1} % of the run", 100.0 * share),
+            Err(error) => format!("cannot be put away: {}", in_full(error)),
+        };
+        log(self.folder, &line);
         let rest = began.elapsed().div_f64(SHARE).max(self.limits.checkpoint_interval);
         self.due = Instant::now() + rest;
         self.wished = Wish::GoOn;
+        written
     }
 }

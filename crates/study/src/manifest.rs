@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 use serde::{Deserialize, Serialize};
 
 use crate::attempt::host;
-use crate::results::Archive;
+use crate::results::{Archive, CaseResult};
 use crate::store::{METRIC_VERSION, SOLVER_VERSION, StoreError, write_whole};
 
 /// Name of the file, in a case's folder and in that of a study's tables.
@@ -21,8 +21,9 @@ pub struct Program {
     pub version: String,
     /// BLAKE3 of the program's file, 16 letters: two runs with the same one had the same program.
     pub digest: String,
-    /// Git revision of the folder that the study lies in, where there is one.
-    pub revision: Option<String>,
+    /// Git revision of the folder that the study lies in, where there is one. That of the program's sources is not known: its hash tells programs apart.
+    #[serde(alias = "revision")]
+    pub study_revision: Option<String>,
     /// Compiler.
     pub rustc: String,
     /// What it was compiled for.
@@ -83,8 +84,9 @@ pub struct StudyManifest {
     pub case_seconds: f64,
     /// Digests of the programs that ran them.
     pub programs: BTreeSet<String>,
-    /// Their revisions.
-    pub revisions: BTreeSet<String>,
+    /// Git revisions of the study's folder when they ran them.
+    #[serde(alias = "revisions")]
+    pub study_revisions: BTreeSet<String>,
     /// Hosts that they ran on.
     pub hosts: BTreeSet<String>,
 }
@@ -102,7 +104,7 @@ impl Program {
         Program {
             version: env!("CARGO_PKG_VERSION").into(),
             digest: DIGEST.get_or_init(digest).clone(),
-            revision: revision(folder),
+            study_revision: revision(folder),
             rustc: env!("SNOWLAB_RUSTC").into(),
             target: env!("SNOWLAB_TARGET").into(),
             vectors: snowlab_solver::Engine::vectors().into(),
@@ -114,26 +116,23 @@ impl Program {
 }
 
 impl StudyManifest {
-    /// Of the tables that are written now, from the manifests of the cases.
-    pub fn of(archive: &Archive, study_text: &str, program: Program, rows: usize) -> Self {
+    /// Of the tables of `results` that are written now.
+    pub fn of(archive: &Archive, study_text: &str, program: Program, results: &[CaseResult]) -> Self {
         let mut manifest = StudyManifest {
             study: archive.study.spec.name.clone(),
             profile: archive.study.profile.clone(),
             study_digest: blake3::hash(study_text.as_bytes()).to_hex()[..32].to_string(),
             program,
             cases: archive.study.cases.len(),
-            rows,
+            rows: results.len(),
             began: None,
             ended: None,
             case_seconds: 0.0,
             programs: BTreeSet::new(),
-            revisions: BTreeSet::new(),
+            study_revisions: BTreeSet::new(),
             hosts: BTreeSet::new(),
         };
-        for index in 0..archive.study.cases.len() {
-            let Ok(Some(case)) = archive.case_folder(index).read_json::<CaseManifest>(MANIFEST) else {
-                continue;
-            };
+        for case in results.iter().filter_map(|result| result.manifest.clone()) {
             manifest.case_seconds += case.wall_seconds;
             // Times are written so that those of letters and of time are one order.
             let earlier = manifest.began.take().map_or(case.began.clone(), |began| began.min(case.began));
@@ -141,7 +140,7 @@ impl StudyManifest {
             (manifest.began, manifest.ended) = (Some(earlier), Some(later));
             manifest.hosts.insert(case.program.host);
             manifest.programs.insert(case.program.digest);
-            manifest.revisions.extend(case.program.revision);
+            manifest.study_revisions.extend(case.program.study_revision);
         }
         manifest
     }
@@ -151,12 +150,12 @@ impl StudyManifest {
         if self.programs.len() < 2 {
             return None;
         }
-        let revisions: Vec<&str> = self.revisions.iter().map(String::as_str).collect();
+        let programs: Vec<&str> = self.programs.iter().map(String::as_str).collect();
         Some(format!(
-            "the cases were run by {} programs (revisions: {}); the solver's version is the same, so their numbers should \
-             be; `snowlab gc --all` and another run make them of one",
-            self.programs.len(),
-            if revisions.is_empty() { "unknown".to_string() } else { revisions.join("; ") },
+            "the cases were run by {} programs (BLAKE3 {}); the solver's version is the same, so their numbers should be; \
+             `snowlab gc FILE --all --delete` and another run make them of one",
+            programs.len(),
+            programs.join(", "),
         ))
     }
 

@@ -9,8 +9,8 @@ use crate::spec::scene::{PrecisionName, RegionSpec, TransferName};
 
 /// Of the program itself, its tables and threads [bytes] (chosen: a case of two particles peaks at 18 MB, and heaps have gaps).
 const PROGRAM: f64 = 2.5e7;
-/// Copies of the particles in the engine's chunks: two that are sorted into each other, the watchdog's snapshot and its next one.
-const COPIES: f64 = 4.0;
+/// Copies of the particles in the engine's chunks: two that are sorted into each other, the watchdog's snapshot and its next one, and a checkpoint's.
+const COPIES: f64 = 5.0;
 /// Copies of the particles as a plain state: as they were placed, and as they are looked at.
 const PLAIN_COPIES: f64 = 2.0;
 /// Beside its bonds, what measuring a particle takes [bytes] (chosen: 290 of 820 are not bonds at 300 thousand in 3D).
@@ -49,10 +49,10 @@ pub fn of_case(scene: &SceneSpec) -> Option<f64> {
     let nodes = MARGIN * (arrays + fields_of_solve) * 4.0 * number / per_cell;
     // Pairs within 2 h, four bytes each (metrics/bond_graph.rs): a disc's area or a ball's volume of particles, each pair once.
     let bonds = 4.0 * 0.5 * per_cell * if scene.dimension == 2 { 4.0 * PI } else { 32.0 / 3.0 * PI };
-    let frames = scene.output.end / scene.output.frame_interval + 2.0;
-    let frame = 4.0 * (d + 1.0);
+    // As they are kept, and as the bytes that a checkpoint or the results have of them.
+    let frames = 2.0 * frames(scene) * 4.0 * (d + 1.0);
     // A case is measured when its engine is gone.
-    Some(PROGRAM + particles * ((particle + nodes).max(bonds + MEASURED) + frames * frame))
+    Some(PROGRAM + particles * ((particle + nodes).max(bonds + MEASURED) + frames))
 }
 
 /// [`of_case`] of a run whose frames are written as text: two copies of the state wait to be written, and a frame's text.
@@ -61,6 +61,20 @@ pub fn of_simulation(scene: &SceneSpec) -> Option<f64> {
     let digits = 21.0;
     // A text grows by doubling.
     Some(of_case(scene)? + particles(scene)? * fields(scene) * (2.0 * bytes_of_number(scene) + 2.0 * digits))
+}
+
+/// Bytes of a case's row in the tables with its record, and of a row of `frames` with its ledgers (measured: 27 kB a case of four frames, of ten thousand).
+const ROW: f64 = 2e4;
+const FRAME_ROW: f64 = 3e3;
+
+/// Bytes that writing the tables of cases takes, from the frames of each ([`frames`]).
+pub fn of_tables(frames: impl Iterator<Item = f64>) -> f64 {
+    PROGRAM + frames.map(|frames| ROW + FRAME_ROW * frames).sum::<f64>()
+}
+
+/// Frames of a case, at most.
+pub fn frames(scene: &SceneSpec) -> f64 {
+    scene.output.end / scene.output.frame_interval + 2.0
 }
 
 /// How many there will be; `None` where a file has them.
@@ -130,14 +144,25 @@ fn of_group() -> Option<f64> {
     let mut least = None;
     // A group has no more than those it lies in.
     loop {
-        let number = |name: &str| read(folder.join(name).to_str()?)?.trim().parse::<f64>().ok();
-        if let (Some(most), Some(used)) = (number("memory.max"), number("memory.current")) {
-            least = Some((most - used).max(0.0).min(least.unwrap_or(f64::INFINITY)));
+        if let Some(free) = free_in(&folder) {
+            least = Some(free.min(least.unwrap_or(f64::INFINITY)));
         }
         if folder == Path::new("/sys/fs/cgroup") || !folder.pop() {
             return least;
         }
     }
+}
+
+/// What a control group may still take [bytes], by the files in its folder; `None` where it has no limit. Pages of files that have not been used lately count
+/// as used there, but go when memory is asked for.
+fn free_in(group: &Path) -> Option<f64> {
+    let text = |name: &str| read(group.join(name).to_str()?);
+    let number = |name: &str| text(name)?.trim().parse::<f64>().ok();
+    let cache = text("memory.stat").and_then(|text| {
+        text.lines().find_map(|line| line.strip_prefix("inactive_file ")?.trim().parse::<f64>().ok())
+    });
+    let used = number("memory.current")? - cache.unwrap_or(0.0);
+    Some((number("memory.max")? - used.max(0.0)).max(0.0))
 }
 
 fn of_address_space() -> Option<f64> {
@@ -160,4 +185,22 @@ fn kilobytes(text: &str, name: &str) -> Option<f64> {
 /// `340 MB`, `2.1 GB`.
 pub fn in_words(bytes: f64) -> String {
     if bytes < 1e9 { format!("{:.0} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_group_whose_memory_is_full_of_file_pages_has_room() {
+        let group = tempfile::tempdir().expect("a folder for the test");
+        let write = |name: &str, text: &str| std::fs::write(group.path().join(name), text).expect("a file");
+        write("memory.max", "max\n");
+        write("memory.current", "4000000000\n");
+        assert_eq!(free_in(group.path()), None, "no limit");
+        write("memory.max", "4000000000\n");
+        assert_eq!(free_in(group.path()), Some(0.0));
+        write("memory.stat", "anon 500000000\nactive_file 500000000\ninactive_file 3000000000\n");
+        assert_eq!(free_in(group.path()), Some(3e9));
+    }
 }

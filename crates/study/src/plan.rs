@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::attempt::Attempt;
 use crate::checkpoint::CheckpointFile;
 use crate::manifest::{CaseManifest, MANIFEST};
-use crate::record::{Outcome, RunRecord};
+use crate::record::{Outcome, RunRecord, in_full};
 use crate::results::Archive;
 use crate::store::{Asked, CASE, CaseFolder, FAILURE, StoreError};
 
@@ -49,6 +49,11 @@ pub enum State {
         /// Which, and in which way.
         message: String,
     },
+    /// The disk does not say what there is.
+    Unreadable {
+        /// Which file, and why.
+        message: String,
+    },
     /// It was run by a solver of another version.
     Stale {
         /// Version.
@@ -85,6 +90,14 @@ pub enum Look {
 }
 
 impl State {
+    /// Of a case with a file that cannot be used.
+    fn of(error: &StoreError) -> Self {
+        match error {
+            StoreError::Io { .. } => State::Unreadable { message: in_full(error) },
+            _ => State::Damaged { message: error.to_string() },
+        }
+    }
+
     /// One word.
     pub fn name(&self) -> &'static str {
         match self {
@@ -95,14 +108,25 @@ impl State {
             State::Killed { .. } => "killed",
             State::Interrupted => "interrupted",
             State::Damaged { .. } => "damaged",
+            State::Unreadable { .. } => "unreadable",
             State::Stale { .. } => "stale",
             State::New => "new",
         }
     }
 
     /// All words, in the order of a list.
-    pub const NAMES: [&'static str; 9] =
-        ["finished", "stopped", "failed", "running", "killed", "interrupted", "damaged", "stale", "new"];
+    pub const NAMES: [&'static str; 10] = [
+        "finished",
+        "stopped",
+        "failed",
+        "running",
+        "killed",
+        "interrupted",
+        "damaged",
+        "unreadable",
+        "stale",
+        "new",
+    ];
 
     /// Whether `run` leaves it as it is.
     pub fn is_done(&self) -> bool {
@@ -113,7 +137,11 @@ impl State {
     pub fn has_failed(&self) -> bool {
         matches!(
             self,
-            State::Stopped { .. } | State::Failed { .. } | State::Killed { .. } | State::Damaged { .. }
+            State::Stopped { .. }
+                | State::Failed { .. }
+                | State::Killed { .. }
+                | State::Damaged { .. }
+                | State::Unreadable { .. }
         )
     }
 
@@ -128,12 +156,12 @@ impl State {
                 format!("process {process} on {host} since {began}")
             }
             State::Running { attempt: None } => "somebody is at work on it".into(),
-            State::Killed { attempt: Attempt { number, host, process, began } } => format!(
+            State::Killed { attempt: Attempt { number, host, process, began, .. } } => format!(
                 "process {process} on {host}, begun {began}, was killed on the way (attempt {number}); if memory was short, \
                  `--jobs 1` takes less"
             ),
             State::Interrupted => "it was put away on the way".into(),
-            State::Damaged { message } => message.clone(),
+            State::Damaged { message } | State::Unreadable { message } => message.clone(),
             State::Stale { version } => format!("it was run by version {version} of the solver"),
             State::New => "it has not been run".into(),
         }
@@ -142,20 +170,25 @@ impl State {
 
 /// What there is of all cases, in their order.
 pub fn statuses(archive: &Archive, look: Look) -> Vec<Status> {
-    let count = archive.study.cases.len();
     let strangers = Strangers::of(archive);
-    (0..count).into_par_iter().map(|index| status(archive, index, look, &strangers)).collect()
+    let status = |index| status(archive, index, look, Some(&strangers));
+    (0..archive.study.cases.len()).into_par_iter().map(status).collect()
 }
 
-fn status(archive: &Archive, index: usize, look: Look, strangers: &Strangers) -> Status {
+/// What there is of the cases of the given numbers, in their order. No other folder is looked at, so that a case of another version is a new one.
+pub fn statuses_of(archive: &Archive, numbers: &[usize], look: Look) -> Vec<Status> {
+    numbers.par_iter().map(|&index| status(archive, index, look, None)).collect()
+}
+
+fn status(archive: &Archive, index: usize, look: Look, strangers: Option<&Strangers>) -> Status {
     let folder = archive.case_folder(index);
     let checkpoint = CheckpointFile::new(folder.path(), archive.key(index)).share();
     let record = folder.read_run();
     let particle_steps = record.as_ref().ok().and_then(Option::as_ref).map(|record| record.particle_steps);
     let state = match record {
-        Err(error) => State::Damaged { message: error.to_string() },
+        Err(error) => State::of(&error),
         Ok(Some(record)) => match damage(archive, index, &record, look) {
-            Err(error) => State::Damaged { message: error.to_string() },
+            Err(error) => State::of(&error),
             Ok(()) => match record.outcome {
                 Outcome::Stopped { reason, message } => State::Stopped { reason, message },
                 Outcome::Ok | Outcome::OkWithClamps => State::Finished,
@@ -189,17 +222,18 @@ fn unfinished(
     index: usize,
     folder: &CaseFolder,
     checkpoint: Option<f64>,
-    strangers: &Strangers,
+    strangers: Option<&Strangers>,
 ) -> State {
     if !folder.path().is_dir() {
-        return strangers.version_of(archive, index).map_or(State::New, |version| State::Stale { version });
+        let version = strangers.and_then(|strangers| strangers.version_of(archive, index));
+        return version.map_or(State::New, |version| State::Stale { version });
     }
-    let attempt = Attempt::left(folder);
+    let attempt = Attempt::not_ended(folder);
     if Attempt::is_running(folder) {
         return State::Running { attempt };
     }
     match folder.read_json::<RunRecord>(FAILURE) {
-        Err(error) => return State::Damaged { message: error.to_string() },
+        Err(error) => return State::of(&error),
         Ok(Some(RunRecord { outcome: Outcome::Stopped { reason, message }, .. })) => {
             return State::Failed { reason, message };
         }

@@ -229,6 +229,12 @@ impl RunRecord {
     }
 }
 
+/// An error with its causes.
+pub fn in_full(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(error.source(), |cause| cause.source());
+    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
+}
+
 /// BLAKE3 over time, positions, velocities, deformation and J_P as f64, in the order of the ids.
 pub fn digest<T: Real, const D: usize>(state: &State<T, D>) -> String {
     let mut hasher = blake3::Hasher::new();

@@ -5,13 +5,16 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use crate::assemble::engine;
+use crate::manifest::{CaseManifest, MANIFEST};
 use crate::measure::{Metrics, measure};
 use crate::metrics::MetricError;
-use crate::record::{Outcome, RunRecord};
+use crate::record::{Outcome, RunRecord, in_full};
 use crate::spec::scene::{EngineName, PlacementSpec};
 use crate::spec::study::MeasureSpec;
 use crate::spec::{SceneSpec, SpecError};
-use crate::store::{CaseFolder, Store, StoreError, case_key, metric_key, scene_key};
+use crate::store::{
+    Asked, CASE, CaseFolder, SOLVER_VERSION, Store, StoreError, case_key, metric_key, scene_key,
+};
 use crate::sweep::{Case, Study};
 
 /// A case with its results.
@@ -27,6 +30,8 @@ pub struct CaseResult {
     pub metrics: Option<Metrics>,
     /// Why it could not be measured.
     pub unmeasured: Option<MetricError>,
+    /// Who ran it and for how long; `None` where that is not there or cannot be read.
+    pub manifest: Option<CaseManifest>,
 }
 
 impl CaseResult {
@@ -81,10 +86,11 @@ impl<'a> Archive<'a> {
     /// A particle file that cannot be read.
     pub fn open(study: &'a Study, out: &Path, folder: &'a Path) -> Result<Self, CaseError> {
         let store = Store::new(out, &study.spec.name, &study.profile);
+        let mut inputs = Inputs::default();
         let keys = study
             .cases
             .iter()
-            .map(|case| key_of(&case.scene, folder))
+            .map(|case| Ok(key_of(&case.scene, inputs.of(&case.scene, folder)?)))
             .collect::<Result<Vec<_>, SpecError>>()?;
         Ok(Archive { study, store, folder, keys })
     }
@@ -122,7 +128,21 @@ impl<'a> Archive<'a> {
     /// A particle file that cannot be read.
     pub fn scene_key(&self, index: usize) -> Result<String, SpecError> {
         let scene = &self.study.cases[index].scene;
-        Ok(scene_key(scene, &inputs_of(scene, self.folder)?))
+        Ok(scene_key(scene, Inputs::default().of(scene, self.folder)?))
+    }
+
+    /// Why case number `index` is not now what its key names: a particle file of its scene has changed since the keys were looked up, or cannot be
+    /// read.
+    pub(crate) fn changed_input(&self, index: usize) -> Option<String> {
+        let scene = &self.study.cases[index].scene;
+        particle_files(scene).next()?;
+        match Inputs::default().of(scene, self.folder) {
+            Ok(inputs) if key_of(scene, inputs) == self.keys[index] => None,
+            Ok(_) => Some(
+                "a particle file of its scene was changed after the study was opened; run it again".into(),
+            ),
+            Err(error) => Some(in_full(&error)),
+        }
     }
 
     /// Arm, point of the sweep and block of case number `index`.
@@ -150,7 +170,8 @@ impl<'a> Archive<'a> {
                 Err(error) => (None, Some(error)),
             },
         };
-        Ok(CaseResult { case, key, record, metrics, unmeasured })
+        let manifest = folder.read_json(MANIFEST).ok().flatten();
+        Ok(CaseResult { case, key, record, metrics, unmeasured, manifest })
     }
 
     /// The results of all cases that have left a record, that of a failure among them.
@@ -171,6 +192,35 @@ impl<'a> Archive<'a> {
     /// [`StoreError`], in which way they are not.
     pub fn check_metrics(&self, index: usize) -> Result<(), StoreError> {
         self.case_folder(index).read_json::<Metrics>(&metrics_file(&self.study.measure)).map(|_| ())
+    }
+
+    /// What was asked of case number `index`, as it stands in its folder.
+    pub(crate) fn asked(&self, index: usize) -> Asked {
+        let scene = self.study.cases[index].scene.clone();
+        let scene_key = self.scene_key(index).unwrap_or_default();
+        Asked { solver_version: SOLVER_VERSION, scene_key, scene }
+    }
+
+    /// Makes anew what follows from the scene of finished case number `index`, where it is damaged; a damaged manifest goes, for nothing else knows who
+    /// ran the case. False where frames or metrics are: they take another run. (Metrics of frames and record as they are read would do for tables, but
+    /// JSON is read to an ulp, and files are made anew to the byte.)
+    ///
+    /// # Errors
+    /// [`StoreError::Io`].
+    pub(crate) fn mend(&self, index: usize, record: &RunRecord) -> Result<bool, StoreError> {
+        let folder = self.case_folder(index);
+        if record.was_built()
+            && (is_damaged(folder.check_frames())? || is_damaged(self.check_metrics(index))?)
+        {
+            return Ok(false);
+        }
+        if is_damaged(folder.read_json::<Asked>(CASE))? {
+            folder.write_json(CASE, &self.asked(index))?;
+        }
+        if is_damaged(folder.read_json::<CaseManifest>(MANIFEST))? {
+            folder.remove(MANIFEST)?;
+        }
+        Ok(true)
     }
 
     fn metrics(
@@ -196,30 +246,79 @@ impl<'a> Archive<'a> {
     }
 }
 
+fn is_damaged<V>(read: Result<V, StoreError>) -> Result<bool, StoreError> {
+    match read {
+        Ok(_) => Ok(false),
+        Err(StoreError::Damaged { .. }) => Ok(true),
+        Err(error) => Err(error),
+    }
+}
+
 /// Name of the file of metrics by `measure`.
 pub(crate) fn metrics_file(measure: &MeasureSpec) -> String {
     format!("metrics-{}.json", metric_key(measure))
 }
 
-/// The contents of the particle files that a scene names.
-fn inputs_of(scene: &SceneSpec, folder: &Path) -> Result<Vec<Vec<u8>>, SpecError> {
-    let mut inputs = Vec::new();
-    for body in &scene.body {
-        if let PlacementSpec::File { path, .. } = &body.placement {
-            let path = folder.join(path);
-            inputs.push(std::fs::read(&path).map_err(|source| SpecError::Read { path, source })?);
+/// The contents of the particle files of the scene that was asked for last: most cases of a study have those of the one before.
+#[derive(Default)]
+struct Inputs {
+    paths: Vec<String>,
+    contents: Vec<Vec<u8>>,
+}
+
+impl Inputs {
+    fn of(&mut self, scene: &SceneSpec, folder: &Path) -> Result<&[Vec<u8>], SpecError> {
+        if !particle_files(scene).eq(&self.paths) {
+            let read = |path: &str| {
+                let path = folder.join(path);
+                std::fs::read(&path).map_err(|source| SpecError::Read { path, source })
+            };
+            self.contents = particle_files(scene).map(read).collect::<Result<_, _>>()?;
+            self.paths = particle_files(scene).map(String::from).collect();
         }
+        Ok(&self.contents)
     }
-    Ok(inputs)
+}
+
+/// The particle files that a scene names, in its order.
+fn particle_files(scene: &SceneSpec) -> impl Iterator<Item = &str> {
+    scene.body.iter().filter_map(|body| match &body.placement {
+        PlacementSpec::File { path, .. } => Some(path.as_str()),
+        _ => None,
+    })
 }
 
 /// The key of a scene, with the contents of its particle files.
-fn key_of(scene: &SceneSpec, folder: &Path) -> Result<String, SpecError> {
-    let inputs = inputs_of(scene, folder)?;
+fn key_of(scene: &SceneSpec, inputs: &[Vec<u8>]) -> String {
     // The engine that will run is the one that counts: a CPU may not have what the fast one takes.
     let mut scene = scene.clone();
     if !engine(scene.numerics.engine).is_available() {
         scene.numerics.engine = EngineName::Reference;
     }
-    Ok(case_key(&scene, &inputs))
+    case_key(&scene, inputs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec;
+
+    #[test]
+    fn a_file_of_many_cases_is_read_once() {
+        let folder = tempfile::tempdir().expect("a folder for the test");
+        let scene = |file: &str| -> SceneSpec {
+            let body = format!("placement = {{ kind = \"file\", path = \"{file}\", filled_volume = 1.0 }}");
+            let rest = "[output]\nframe_interval = 0.1\nend = 0.2\n";
+            spec::parse(&format!("[numerics]\nspacing = 0.1\n[[body]]\n{body}\n{rest}")).expect("a scene")
+        };
+        let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("a file");
+        let mut inputs = Inputs::default();
+        write("one.csv", "1");
+        write("two.csv", "2");
+        assert_eq!(inputs.of(&scene("one.csv"), folder.path()).expect("readable"), [b"1"]);
+        write("one.csv", "changed");
+        assert_eq!(inputs.of(&scene("one.csv"), folder.path()).expect("read before"), [b"1"]);
+        assert_eq!(inputs.of(&scene("two.csv"), folder.path()).expect("readable"), [b"2"]);
+        assert!(inputs.of(&scene("none.csv"), folder.path()).is_err());
+    }
 }

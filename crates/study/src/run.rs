@@ -11,6 +11,7 @@ use crate::keeper::{Keeper, Pause, Unkept, Wish};
 use crate::record::{HistoryRow, Outcome, RunRecord};
 use crate::spec::scene::{EndFrom, OutputSpec, PrecisionName};
 use crate::spec::{SceneSpec, SpecError};
+use crate::store::StoreError;
 
 /// A scene that waits for a contact stops after so many time units without one (chosen: three times the flight of any
 /// scene of the studies).
@@ -31,12 +32,14 @@ pub struct Run<const D: usize> {
 }
 
 /// How a run ended.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub enum Ended<const D: usize> {
     /// It has come to its end.
     Run(Box<Run<D>>),
     /// It was put away on the way.
     Paused(Pause),
+    /// It had to stop on the way and could not be put away: what it did since the checkpoint before is lost.
+    Lost(StoreError),
 }
 
 /// Something that wants to know how far a run is, and may see each frame's state.
@@ -46,6 +49,9 @@ pub trait Observer {
 
     /// Called at every frame that is kept, in the order of time; none is taken back.
     fn frame<T: Real, const D: usize>(&mut self, simulation: &Simulation<T, D>);
+
+    /// Called where the run could not be put away and goes on.
+    fn not_put_away(&mut self, _error: &StoreError) {}
 }
 
 /// Nobody watches.
@@ -70,7 +76,7 @@ pub fn run_scene<const D: usize>(
 ) -> Result<Run<D>, SpecError> {
     match run_kept::<D>(spec, folder, threads, observer, &mut Unkept)? {
         Ended::Run(run) => Ok(*run),
-        Ended::Paused(_) => unreachable!("a run that is kept nowhere is not put away"),
+        Ended::Paused(_) | Ended::Lost(_) => unreachable!("a run that is kept nowhere is not put away"),
     }
 }
 
@@ -106,8 +112,8 @@ fn run<T: Real, const D: usize>(
         None => begun(scene, state, threads, &clock)?,
     };
     let outcome = loop {
-        if let Some(pause) = put_away(&simulation, &clock, &kept, keeper) {
-            return Ok(Ended::Paused(pause));
+        if let Some(ended) = put_away(&simulation, &clock, &kept, keeper, observer) {
+            return Ok(ended);
         }
         match advance(&mut simulation, &clock, &mut kept, observer) {
             Ok(None) => {}
@@ -160,23 +166,28 @@ fn taken_up<T: Real, const D: usize>(
     resumed().map_err(|reason| keeper.refuse(&reason)).ok()
 }
 
-/// Puts the run away where `keeper` wishes so and it can be done; why it should stop then, if it should.
+/// Puts the run away where `keeper` wishes so and it can be done; how it ended, if it should stop then.
 fn put_away<T: Real, const D: usize>(
     simulation: &Simulation<T, D>,
     clock: &FrameClock,
     kept: &Kept<D>,
     keeper: &mut impl Keeper,
-) -> Option<Pause> {
+    observer: &mut impl Observer,
+) -> Option<Ended<D>> {
     let wish = keeper.wish(simulation.steps());
     if wish == Wish::GoOn {
         return None;
     }
     let checkpoint = simulation.checkpoint()?;
     let share = simulation.time() / clock.end(simulation.first_contact());
-    keeper.put(share, kept.frames.to_bytes(), &kept.history, checkpoint);
-    match wish {
-        Wish::Stop(pause) => Some(pause),
-        _ => None,
+    match (wish, keeper.put(share, kept.frames.to_bytes(), &kept.history, checkpoint)) {
+        (Wish::Stop(pause), Ok(())) => Some(Ended::Paused(pause)),
+        (Wish::Stop(_), Err(error)) => Some(Ended::Lost(error)),
+        (_, Ok(())) => None,
+        (_, Err(error)) => {
+            observer.not_put_away(&error);
+            None
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 //! Nothing is asked of the scheduler but to start commands: what has been run is told by the files of the cases. An element that is started twice,
 //! or dies and is started again, gives the same results.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -35,6 +36,8 @@ pub struct ArrayJob<'a> {
     pub seconds: f64,
     /// Memory that an element is allowed [bytes].
     pub memory: f64,
+    /// Memory that the job which collects is allowed [bytes].
+    pub collect_memory: f64,
 }
 
 /// Where a submission's files are.
@@ -52,9 +55,12 @@ pub struct Submitted {
     pub collect: String,
     /// When, UTC.
     pub when: String,
+    /// Name of the list of its elements.
+    #[serde(default)]
+    pub list: String,
 }
 
-/// A job of the latest submission that has not ended.
+/// A job of a submission that has not ended.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Queued {
     /// Number, with that of the element.
@@ -65,7 +71,7 @@ pub struct Queued {
     pub reason: String,
 }
 
-/// Time before the limit at which an element is asked to stop [s] (chosen: a checkpoint takes seconds; Slurm looks once a minute).
+/// Time before the limit at which an element is asked to stop [s] (chosen: a checkpoint takes seconds; Slurm looks every 30 s or so).
 const WARNING: u32 = 120;
 
 /// Groups the cases of the given numbers, in their order, into at most `most` elements of about `target` seconds each.
@@ -105,6 +111,12 @@ fn fill(numbers: &[usize], seconds: &impl Fn(usize) -> f64, target: f64) -> Vec<
 }
 
 impl ArrayJob<'_> {
+    /// Name of the list of elements, by its content: Slurm copies scripts when they are handed in, but elements read the list when they start, and
+    /// whatever is submitted meanwhile has another one.
+    pub fn list(&self) -> String {
+        format!("elements-{}.txt", &blake3::hash(self.element_list().as_bytes()).to_hex()[..12])
+    }
+
     /// The keys, one element a line.
     pub fn element_list(&self) -> String {
         self.elements.iter().map(|keys| keys.join(" ") + "\n").collect()
@@ -114,7 +126,7 @@ impl ArrayJob<'_> {
     pub fn array_script(&self) -> String {
         let last = self.elements.len().saturating_sub(1);
         let minutes = (self.seconds / 60.0).ceil().max(1.0) as u64;
-        let megabytes = (self.memory / 1e6).ceil() as u64;
+        let megabytes = megabytes(self.memory);
         format!(
             "#!/bin/bash\n\
              #SBATCH --job-name={name}\n\
@@ -127,16 +139,17 @@ impl ArrayJob<'_> {
              #SBATCH --open-mode=append\n\
              #SBATCH {log}\n\
              #SBATCH {directory}\n\
-             # One element: the cases of its line of elements.txt, those that are missing.\n\
-             # It stands in for the shell, so that the signal before the limit reaches it: it puts its case away.\n\
+             # One element: the cases of its line of the list, those that are missing.\n\
+             # The program stands in for the shell, so that the signal before the limit reaches it: it puts its case away.\n\
              cases=()\n\
              for key in $(sed -n \"$((SLURM_ARRAY_TASK_ID + 1))p\" {list}); do cases+=(--case \"$key\"); done\n\
+             if ((${{#cases[@]}} == 0)); then echo \"element $SLURM_ARRAY_TASK_ID has no cases in\" {list} >&2; exit 2; fi\n\
              exec {program} run {study} --jobs 1 --threads-per-case {threads} \"${{cases[@]}}\"\n",
             name = self.name,
             threads = self.threads,
-            log = self.option("--output", &self.folder.join("element-%a.log")),
+            log = self.option("--output", &self.folder.join("element-%A-%a.log")),
             directory = self.option("--chdir", self.directory),
-            list = quoted(&self.folder.join(LIST).display().to_string()),
+            list = quoted(&self.folder.join(self.list()).display().to_string()),
             program = quoted(self.program),
             study = self.study_words(),
         )
@@ -148,12 +161,14 @@ impl ArrayJob<'_> {
             "#!/bin/bash\n\
              #SBATCH --job-name={name}-collect\n\
              #SBATCH --cpus-per-task=1\n\
+             #SBATCH --mem={megabytes}M\n\
              #SBATCH --time=60\n\
              #SBATCH --open-mode=append\n\
              #SBATCH {log}\n\
              #SBATCH {directory}\n\
              exec {program} collect {study}\n",
             name = self.name,
+            megabytes = megabytes(self.collect_memory),
             log = self.option("--output", &self.folder.join("collect.log")),
             directory = self.option("--chdir", self.directory),
             program = quoted(self.program),
@@ -170,7 +185,6 @@ impl ArrayJob<'_> {
     }
 }
 
-const LIST: &str = "elements.txt";
 const ARRAY: &str = "array.sh";
 const COLLECT: &str = "collect.sh";
 const SUBMITTED: &str = "submitted.json";
@@ -191,27 +205,86 @@ impl Submission {
     /// # Errors
     /// [`StoreError::Io`].
     pub fn write(&self, job: &ArrayJob) -> Result<[PathBuf; 3], StoreError> {
+        let (list, array, collect) = (job.list(), ARRAY.to_string(), COLLECT.to_string());
         let files =
-            [(LIST, job.element_list()), (ARRAY, job.array_script()), (COLLECT, job.collect_script())];
+            [(list, job.element_list()), (array, job.array_script()), (collect, job.collect_script())];
         let paths = files.map(|(name, text)| (self.folder.join(name), text));
         paths.iter().try_for_each(|(path, text)| write_whole(path, text.as_bytes()))?;
         Ok(paths.map(|(path, _)| path))
     }
 
-    /// Hands the scripts to `sbatch`, with `extra` flags, and remembers the jobs.
+    /// Hands the scripts to `sbatch`, with `extra` flags, and remembers the jobs beside those that have not ended.
     ///
     /// # Errors
     /// What `sbatch` says.
-    pub fn submit(&self, extra: &[String], when: String) -> Result<Submitted, String> {
+    pub fn submit(&self, job: &ArrayJob, extra: &[String], when: String) -> Result<Submitted, String> {
+        let mut all = self.not_ended();
         let array = sbatch(&[], extra, &self.folder.join(ARRAY))?;
         let after = format!("--dependency=afterany:{array}");
         let collect = sbatch(&[after], extra, &self.folder.join(COLLECT))
             .map_err(|error| format!("the array runs as job {array}, but nothing will collect: {error}"))?;
-        let submitted = Submitted { array, collect, when };
-        let mut text = serde_json::to_vec_pretty(&submitted).expect("plain data");
+        let submitted = Submitted { array, collect, when, list: job.list() };
+        all.push(submitted.clone());
+        let mut text = serde_json::to_vec_pretty(&all).expect("plain data");
         text.push(b'\n');
         write_whole(&self.folder.join(SUBMITTED), &text).map_err(|error| error.to_string())?;
         Ok(submitted)
+    }
+
+    /// The jobs of its submissions that have not ended; `None` where there were none or `squeue` is not there.
+    pub fn queued(&self) -> Option<Vec<Queued>> {
+        let jobs: Vec<String> = self
+            .submitted()
+            .into_iter()
+            .flat_map(|Submitted { array, collect, .. }| [array, collect])
+            .collect();
+        if jobs.is_empty() {
+            return None;
+        }
+        let output = Command::new("squeue")
+            .args(["-h", "-r", "-o", "%i %T %r", "-j", &jobs.join(",")])
+            .output()
+            .ok()?;
+        let line = |line: &str| {
+            let mut words = line.splitn(3, ' ').map(str::to_string);
+            Some(Queued {
+                job: words.next()?,
+                state: words.next()?,
+                reason: words.next().unwrap_or_default(),
+            })
+        };
+        // Of jobs that it no longer knows it prints an error and nothing else.
+        Some(String::from_utf8_lossy(&output.stdout).lines().filter_map(line).collect())
+    }
+
+    /// Keys of the cases of elements that wait or run.
+    pub fn keys_queued(&self) -> BTreeSet<String> {
+        let queued = self.queued().unwrap_or_default();
+        let mut keys = BTreeSet::new();
+        for Submitted { array, list, .. } in self.submitted() {
+            let list = std::fs::read_to_string(self.folder.join(list)).unwrap_or_default();
+            let elements: Vec<&str> = list.lines().collect();
+            for job in queued.iter().filter(|job| job.state != "COMPLETING") {
+                let element =
+                    job.job.strip_prefix(&array).and_then(|rest| rest.strip_prefix('_')?.parse().ok());
+                let own = element.and_then(|element: usize| elements.get(element));
+                keys.extend(own.into_iter().flat_map(|line| line.split_whitespace()).map(String::from));
+            }
+        }
+        keys
+    }
+
+    fn not_ended(&self) -> Vec<Submitted> {
+        let queued = self.queued().unwrap_or_default();
+        let is_of = |job: &Queued, number: &str| job.job.split('_').next() == Some(number);
+        let mut all = self.submitted();
+        all.retain(|s| queued.iter().any(|job| is_of(job, &s.array) || is_of(job, &s.collect)));
+        all
+    }
+
+    fn submitted(&self) -> Vec<Submitted> {
+        let read = || serde_json::from_slice(&read_whole(&self.folder.join(SUBMITTED)).ok()??).ok();
+        read().unwrap_or_default()
     }
 }
 
@@ -230,26 +303,16 @@ fn sbatch(own: &[String], extra: &[String], script: &Path) -> Result<String, Str
     if id.is_empty() { Err("`sbatch` printed no job number".into()) } else { Ok(id) }
 }
 
-/// The jobs of the latest submission that have not ended; `None` where there was none or `squeue` is not there.
-pub fn queued(archive: &Archive) -> Option<Vec<Queued>> {
-    let path = Submission::of(archive).folder.join(SUBMITTED);
-    let submitted: Submitted = serde_json::from_slice(&read_whole(&path).ok()??).ok()?;
-    let jobs = format!("{},{}", submitted.array, submitted.collect);
-    let output = Command::new("squeue").args(["-h", "-r", "-o", "%i %T %r", "-j", &jobs]).output().ok()?;
-    let line = |line: &str| {
-        let mut words = line.splitn(3, ' ').map(str::to_string);
-        Some(Queued { job: words.next()?, state: words.next()?, reason: words.next().unwrap_or_default() })
-    };
-    // Of jobs that it no longer knows it prints an error and nothing else.
-    Some(String::from_utf8_lossy(&output.stdout).lines().filter_map(line).collect())
-}
-
 /// The most elements of an array that the cluster takes, where it tells.
 pub fn most_elements() -> Option<usize> {
     let output = Command::new("scontrol").args(["show", "config"]).output().ok()?;
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     let line = text.lines().find(|line| line.starts_with("MaxArraySize"))?;
     line.split('=').nth(1)?.trim().parse().ok()
+}
+
+fn megabytes(bytes: f64) -> u64 {
+    (bytes / 1e6).ceil() as u64
 }
 
 /// A word for a shell.

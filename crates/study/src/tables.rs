@@ -3,9 +3,8 @@
 use crate::assemble::Made;
 use crate::claims::CheckReading;
 use crate::evaluate::Judged;
-use crate::manifest::{CaseManifest, MANIFEST};
 use crate::record::HistoryRow;
-use crate::results::{Archive, CaseResult};
+use crate::results::CaseResult;
 use crate::statistics::{Interval, summarise};
 use crate::table::{Cell, Row, Table};
 
@@ -440,26 +439,25 @@ pub fn claims(judged: &[Judged]) -> Table {
 }
 
 /// `timings`: the only table that knows a clock.
-/// A manifest that cannot be read leaves its entries empty.
-pub fn timings(archive: &Archive, results: &[CaseResult]) -> Table {
+/// Without a manifest its entries are empty.
+pub fn timings(results: &[CaseResult]) -> Table {
     let mut rows = Vec::new();
     for result in results {
-        let folder = archive.store.case(&result.key);
-        let clock = folder.read_json::<CaseManifest>(MANIFEST).ok().flatten();
+        let clock = result.manifest.as_ref();
         let steps = result.record.particle_steps;
-        let per_step = clock.as_ref().filter(|_| steps > 0).map(|c| c.wall_seconds * 1e9 / steps as f64);
+        let per_step = clock.filter(|_| steps > 0).map(|c| c.wall_seconds * 1e9 / steps as f64);
         let mut row = Row::default();
         identity(&mut row, result);
-        row.put("wall_seconds", "s", "wall time of the case", clock.as_ref().map(|c| c.wall_seconds))
+        row.put("wall_seconds", "s", "wall time of the case", clock.map(|c| c.wall_seconds))
             .put("ns_per_particle_step", "ns", "wall time over particle-steps, measuring included", per_step)
             .put(
                 "peak_memory",
                 "bytes",
                 "peak memory of the process so far",
-                clock.as_ref().map(|c| c.peak_memory as f64),
+                clock.map(|c| c.peak_memory as f64),
             )
-            .put("jobs", "-", "cases run side by side", clock.as_ref().map(|c| c.jobs as f64))
-            .put("host", "-", "machine", clock.as_ref().map_or("", |c| c.program.host.as_str()));
+            .put("jobs", "-", "cases run side by side", clock.map(|c| c.jobs as f64))
+            .put("host", "-", "machine", clock.map_or("", |c| c.program.host.as_str()));
         rows.push(row);
     }
     Table { name: "timings", rows }

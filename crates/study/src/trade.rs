@@ -9,7 +9,6 @@
 
 use std::collections::BTreeMap;
 
-use crate::manifest::{CaseManifest, MANIFEST};
 use crate::results::{Archive, CaseResult};
 use crate::spec::study::TradeSpec;
 use crate::store::StoreError;
@@ -107,9 +106,9 @@ fn compare(
         blocks += 1;
         steps += result.record.steps as f64;
         iterations += result.record.iterations as f64;
-        let clock = |result: &CaseResult| archive.store.case(&result.key).read_json::<CaseManifest>(MANIFEST);
-        seconds.extend(clock(result)?.map(|clock| clock.wall_seconds));
-        reference_seconds.extend(clock(truth)?.map(|clock| clock.wall_seconds));
+        let time = |result: &CaseResult| result.manifest.as_ref().map(|manifest| manifest.wall_seconds);
+        seconds.extend(time(result));
+        reference_seconds.extend(time(truth));
     }
     let mean = |sum: f64| sum / blocks.max(1) as f64;
     Ok((blocks > 0 || group.iter().any(|result| !usable(result))).then(|| Trade {

@@ -12,7 +12,7 @@ use snowlab_study::keeper::{Keeper, Pause, Wish};
 use snowlab_study::record::HistoryRow;
 use snowlab_study::run::{Ended, Unobserved, run_kept};
 use snowlab_study::spec::{self, SceneSpec};
-use snowlab_study::store::sign;
+use snowlab_study::store::{StoreError, sign};
 
 use super::{bytes, hand_over};
 
@@ -56,9 +56,16 @@ impl Keeper for Away {
     fn wish(&mut self, steps: u64) -> Wish {
         if steps < STEPS { Wish::GoOn } else { Wish::Stop(Pause::Interrupted) }
     }
-    fn put(&mut self, _share: f64, frames: Vec<u8>, history: &[HistoryRow], simulation: impl Serialize) {
+    fn put(
+        &mut self,
+        _share: f64,
+        frames: Vec<u8>,
+        history: &[HistoryRow],
+        simulation: impl Serialize,
+    ) -> Result<(), StoreError> {
         let put = Put { frames, history, seconds: 1.0, simulation };
         self.content = Some(postcard::to_stdvec(&put).expect("plain data"));
+        Ok(())
     }
 }
 
@@ -84,7 +91,15 @@ impl Keeper for Hostile<'_> {
         self.asked += 1;
         if self.asked < STEPS { Wish::GoOn } else { Wish::Stop(Pause::StepLimit) }
     }
-    fn put(&mut self, _share: f64, _frames: Vec<u8>, _history: &[HistoryRow], _simulation: impl Serialize) {}
+    fn put(
+        &mut self,
+        _share: f64,
+        _frames: Vec<u8>,
+        _history: &[HistoryRow],
+        _simulation: impl Serialize,
+    ) -> Result<(), StoreError> {
+        Ok(())
+    }
 }
 
 /// A scene and the content of its checkpoint, for both engines.

@@ -55,7 +55,7 @@ fn two_where_the_input_is_bad() {
         ("sample scene.toml -o points.xyz", "use .csv or .ply"),
         (
             "fragments nowhere.csv --link 0.1",
-            "snowlab: nowhere.csv: No such file or directory (os error 2)\n",
+            "snowlab: nowhere.csv: No such file or directory (os error 2); check the path, its permissions",
         ),
         ("fragments nowhere.csv --link 0", "snowlab: `--link` is 0.0; allowed: above 0"),
         ("fragments nowhere.csv --link -1", "snowlab: `--link` is -1.0; allowed: above 0"),

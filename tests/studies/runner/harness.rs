@@ -1,8 +1,10 @@
 //! Running parts of a study, going on with it, and what is told of it.
 
 use serde_json::Value;
+use snowlab_study::attempt::Attempt;
 use snowlab_study::manifest::{CaseManifest, MANIFEST};
-use snowlab_study::store::{Asked, CASE, seal, unseal};
+use snowlab_study::spec::study::DEFAULT_PROFILE;
+use snowlab_study::store::{Asked, CASE, Hold, Lock, Store, seal, unseal};
 
 use super::{ARMS, Desk, STOPPING_ARM, study};
 
@@ -39,8 +41,29 @@ fn a_case_goes_on_from_its_checkpoint_to_the_same_bytes() {
     {
         assert!(&resumed[path] == bytes, "{}", path.display());
     }
-    let log = desk.read(&format!("results/tiny/cases/{}/log.txt", folders(&desk)[0]));
+    let key = &folders(&desk)[0];
+    let manifest = desk.read(&format!("results/tiny/cases/{key}/{MANIFEST}"));
+    let manifest: CaseManifest = unseal(key, manifest.as_bytes()).unwrap();
+    assert_eq!(manifest.attempts, 2);
+    let log = desk.read(&format!("results/tiny/cases/{key}/log.txt"));
+    assert!(!log.contains("was killed"), "{log}");
     assert!(log.contains("goes on at ") && log.ends_with("finished\n"), "{log}");
+}
+
+/// What befell a case last is told, not what befell it before.
+#[test]
+fn a_kill_is_told_of_a_case_that_had_failed() {
+    let desk = Desk::with(&[("study.toml", &study(ARMS))]);
+    desk.expect(3, "run study.toml --index 0 --step-limit 20");
+    assert!(desk.expect(3, "status study.toml").contains("1 failed, 5 new"));
+    // A runner that begins and is killed.
+    let key = folders(&desk)[0].clone();
+    Attempt::begin(&Store::new(&desk.path("results"), "tiny", DEFAULT_PROFILE).case(&key)).unwrap();
+    let status = desk.expect(3, "status study.toml");
+    assert!(status.contains("1 killed, 5 new") && status.contains("(attempt 2)"), "{status}");
+    desk.expect(0, "run study.toml --index 0");
+    let log = desk.read(&format!("results/tiny/cases/{key}/log.txt"));
+    assert_eq!(log.matches("was killed on the way").count(), 1, "{log}");
 }
 
 #[test]
@@ -54,6 +77,31 @@ fn a_time_limit_puts_cases_away() {
     let printed = desk.expect(4, "run study.toml --jobs 2 --stop-after 0s");
     assert!(printed.contains("interrupted: ") && printed.contains("the same command goes on"), "{printed}");
     desk.expect(0, "run study.toml --jobs 2 --time-limit 1h");
+}
+
+/// A folder stands where the checkpoint should be written.
+#[test]
+fn a_checkpoint_that_cannot_be_written_is_told() {
+    let desk = Desk::with(&[("study.toml", &study(ARMS))]);
+    let key = desk.expect(0, "plan study.toml --keys").split_whitespace().next().unwrap().to_string();
+    let blocked = format!("results/tiny/cases/{key}/checkpoint.bin");
+    std::fs::create_dir_all(desk.path(&blocked)).unwrap();
+    desk.write(&format!("{blocked}/mine"), "in the way");
+    // To stop without having put the case away is no pause.
+    let printed = desk.expect(3, "run study.toml --index 0 --step-limit 20 --json");
+    let run = json(&printed);
+    assert_eq!(
+        [run["unstored"].as_array().map(Vec::len), run["failed"].as_array().map(Vec::len)],
+        [Some(1), Some(0)]
+    );
+    assert!(printed.contains("checkpoint.bin: cannot be written or read"), "{printed}");
+    let status = desk.expect(0, "status study.toml");
+    assert!(!status.contains("killed"), "it has ended: {status}");
+    // Where it can go on it does, and says so once.
+    let printed = desk.expect(3, "run study.toml --index 0 --checkpoint-every 0s");
+    assert_eq!(printed.matches("cannot be put away, goes on: ").count(), 1, "{printed}");
+    std::fs::remove_dir_all(desk.path(&blocked)).unwrap();
+    desk.expect(0, "run study.toml --index 0");
 }
 
 #[test]
@@ -76,8 +124,11 @@ fn parts_of_a_study_make_the_whole() {
         let name = format!("tiny/{table}.csv");
         assert_eq!(desk.read(&format!("whole/{name}")), desk.read(&format!("results/{name}")));
     }
-    let missing = desk.expect(3, "collect study.toml --out elsewhere");
-    assert!(missing.contains("0 in the tables, 6 have not been run"), "{missing}");
+    // Without cases the tables of before stay.
+    std::fs::remove_dir_all(desk.path("results/tiny/cases")).unwrap();
+    let refused = desk.expect(2, "collect study.toml");
+    assert!(refused.contains("tiny: nothing has been run"), "{refused}");
+    assert_eq!(desk.read("whole/tiny/cases.csv"), desk.read("results/tiny/cases.csv"));
 }
 
 #[test]
@@ -120,6 +171,19 @@ fn what_programs_read_is_json() {
     assert_eq!(json(&desk.expect(0, "gc study.toml --json"))["deleted"], false);
 }
 
+/// What is not known of one point of a sweep is not taken from another.
+#[test]
+fn each_point_of_a_sweep_is_tried() {
+    let sweep = "[[sweep]]\nname = \"count\"\npath = \"body.0.placement.count\"\nvalues = [300, 1200]\n";
+    let desk = Desk::with(&[("study.toml", &study(&["[[arm]]\nid = \"random\"\n", sweep].concat()))]);
+    let plan = json(&desk.expect(0, "plan study.toml --json --jobs 8"));
+    let steps = |case: usize| plan["cases"][case]["particle_steps"].as_f64().expect("a number");
+    assert_eq!([&plan["cases"][0]["axes"][0][1], &plan["cases"][2]["axes"][0][1]], [300.0, 1200.0]);
+    // Steps of the first one's length: particles of both have the same density and stiffness.
+    assert!((steps(2) / steps(0) - 4.0).abs() < 1e-6, "{} and {}", steps(0), steps(2));
+    assert_eq!([&plan["jobs"], &plan["threads"]], [4, 2], "as `run` shares eight cores among four cases");
+}
+
 #[test]
 fn results_of_several_programs_and_versions_are_told() {
     let desk = Desk::with(&[("study.toml", &study(ARMS))]);
@@ -129,10 +193,15 @@ fn results_of_several_programs_and_versions_are_told() {
     let mut manifest: CaseManifest = unseal(&key, &std::fs::read(&path).unwrap()).unwrap();
     assert_eq!((manifest.attempts, manifest.seed, manifest.threads), (1, 1, 1));
     manifest.program.digest = "another".into();
-    manifest.program.revision = Some("fedcba987654".into());
-    std::fs::write(&path, seal(&key, &manifest)).unwrap();
+    manifest.program.study_revision = Some("fedcba987654".into());
+    // As programs of before have named it.
+    let text = serde_json::to_string(&manifest).unwrap().replace("study_revision", "revision");
+    std::fs::write(&path, seal(&key, &serde_json::from_str::<Value>(&text).unwrap())).unwrap();
     let printed = desk.expect(0, "collect study.toml");
-    assert!(printed.contains("run by 2 programs") && printed.contains("fedcba987654"), "{printed}");
+    assert!(printed.contains("run by 2 programs") && printed.contains("another"), "{printed}");
+    assert!(printed.contains("`snowlab gc FILE --all --delete`"), "{printed}");
+    let tables: Value = serde_json::from_str(&desk.read("results/tiny/manifest.json")).unwrap();
+    assert_eq!(tables["study_revisions"], serde_json::json!(["fedcba987654"]));
 
     // A folder of the same scene by an older solver.
     let old = "0123456789abcdef0123";
@@ -157,7 +226,9 @@ fn what_no_case_needs_is_listed_and_goes_on_demand() {
     assert!(desk.expect(0, "gc study.toml").starts_with("0 files and folders"));
     desk.write("results/tiny/cases/notes.txt", "of the user");
     let first = folders(&desk)[0].clone();
-    desk.write(&format!("results/tiny/cases/{first}/.unfinished-a1b2"), "half a file");
+    let halves =
+        [&format!("cases/{first}/"), "", "quick/"].map(|name| format!("results/tiny/{name}.unfinished-a1b2"));
+    halves.iter().for_each(|half| desk.write(half, "half a file"));
     desk.write("study.toml", &text.replace("count = 2", "count = 1"));
     let listed = desk.expect(0, "gc study.toml");
     assert!(
@@ -169,10 +240,28 @@ fn what_no_case_needs_is_listed_and_goes_on_demand() {
     assert_eq!(folders(&desk).len(), before, "listing deletes nothing");
     desk.expect(0, "gc study.toml --delete");
     assert_eq!(folders(&desk).len(), 7, "three cases of two profiles, and the user's notes");
-    assert!(!desk.path(&format!("results/tiny/cases/{first}/.unfinished-a1b2")).exists());
+    assert!(halves.iter().all(|half| !desk.path(half).exists()));
     desk.expect(0, "gc study.toml --all --delete");
     assert_eq!(folders(&desk), ["notes.txt"]);
     assert!(desk.path("results/tiny/cases.csv").exists(), "tables stay");
+}
+
+/// One who lists keeps nobody out; one who deletes is waited for.
+#[test]
+fn runners_wait_for_who_clears_the_study() {
+    let desk = Desk::with(&[("study.toml", &study(ARMS))]);
+    desk.expect(0, "gc study.toml");
+    let path = desk.path("results/tiny/lock");
+    assert!(!path.exists(), "a list takes no lock");
+    let lock = Lock::take(&path, Hold::Alone).unwrap().expect("free");
+    let waiting = std::thread::spawn(move || {
+        std::thread::sleep(std::time::Duration::from_millis(500));
+        drop(lock);
+    });
+    desk.expect(0, "run study.toml --index 0");
+    waiting.join().unwrap();
+    let _lock = Lock::take(&path, Hold::Shared).unwrap().expect("free");
+    assert!(desk.expect(2, "gc study.toml --delete").contains("the study is in use; nothing is deleted"));
 }
 
 #[test]

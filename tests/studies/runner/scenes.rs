@@ -19,6 +19,12 @@ fn placements_are_written_as_csv_and_ply() {
     let ply = points::read::<2>(&desk.path("points.ply")).unwrap().positions;
     assert_eq!(csv.len(), 300);
     assert_eq!(csv, ply, "both have every digit");
+    // A file is put in the place of the one before, not written over it.
+    std::fs::hard_link(desk.path("points.csv"), desk.path("before.csv")).unwrap();
+    desk.write("other.toml", &SCENE.replace("count = 300", "count = 200"));
+    desk.expect(0, "sample other.toml -o points.csv");
+    assert_eq!(points::read::<2>(&desk.path("points.csv")).unwrap().positions.len(), 200);
+    assert_eq!(points::read::<2>(&desk.path("before.csv")).unwrap().positions, csv);
     let centre = Vector::<f64, 2>::new(0.0, 0.3);
     assert!(csv.iter().all(|x| (x - centre).norm() <= 0.25), "all lie in the ball");
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use snowlab_sampler::{DrawnVoids, Purpose, Streams, draw_voids, place, rng};
 use snowlab_solver::{InitialParticle, Matrix, Vector};
 
-use crate::points;
+use crate::points::{self, PointsError};
 use crate::spec::SpecError;
 use crate::spec::scene::{BodySpec, CountOf, PlacementSpec, RestVolumeName, SceneSpec};
 
@@ -105,6 +105,10 @@ fn from_file<const D: usize>(
     let file = path.display();
     let cloud = match points::read::<D>(path) {
         Ok(cloud) => cloud,
+        Err(error @ PointsError::Io { .. }) => {
+            let place = format!("`{key}.placement.path`");
+            return Err(SpecError::Particles { place, message: error.to_string() });
+        }
         Err(error) => return refused("path", error.to_string()),
     };
     let count = cloud.positions.len();

@@ -54,7 +54,7 @@ pub fn collect(arguments: &CollectArguments) -> anyhow::Result<Exit> {
 
 /// Writes the tables of what there is, with `more` of them, and says what has stopped.
 pub fn collect_tables(archive: &Archive, text: &str, more: &[Table]) -> anyhow::Result<Collected> {
-    let results = archive.results()?;
+    let results = some_results(archive)?;
     write_tables(archive, &results, text, more)?;
     let stopped: Vec<String> = results.iter().filter_map(stopped).collect();
     stopped.iter().for_each(|line| eprintln!("{line}"));
@@ -69,18 +69,20 @@ pub fn collect_tables(archive: &Archive, text: &str, more: &[Table]) -> anyhow::
     })
 }
 
+/// The results there are; tables of none would take the place of those of before.
+fn some_results(archive: &Archive) -> anyhow::Result<Vec<CaseResult>> {
+    let (results, name) = (archive.results()?, &archive.study.spec.name);
+    anyhow::ensure!(!results.is_empty(), "{name}: nothing has been run; run `snowlab run` first");
+    Ok(results)
+}
+
 /// Writes tables, figures and report.
 pub fn report(arguments: &StudyArguments) -> anyhow::Result<Exit> {
     let Opened { study, text } = arguments.open()?;
     let archive = arguments.archive(&study)?;
     let _lock = use_study(&archive)?;
-    let results = archive.results()?;
+    let results = some_results(&archive)?;
     let missing = study.cases.len() - results.len();
-    anyhow::ensure!(
-        !results.is_empty(),
-        "{}: nothing has been run; run `snowlab run` first",
-        study.spec.name
-    );
     let (judged, gates) = assess_claims(&archive, &results)?;
     write_tables(&archive, &results, &text, &[tables::claims(&judged)])?;
     for judged in &judged {
@@ -132,7 +134,7 @@ fn write_tables(archive: &Archive, results: &[CaseResult], text: &str, more: &[T
         tables::frames(results),
         tables::summary(results),
     ];
-    let timings = tables::timings(archive, results);
+    let timings = tables::timings(results);
     let trades = trade::trades(archive, results)?;
     let trades = (!trades.is_empty()).then(|| trade::table(&trades));
     let maps = outcome_map::maps(archive.study, results);
@@ -142,7 +144,7 @@ fn write_tables(archive: &Archive, results: &[CaseResult], text: &str, more: &[T
         table.write(archive.store.root())?;
     }
     dictionary(&all).write(archive.store.root())?;
-    let manifest = StudyManifest::of(archive, text, Program::this(archive.folder), results.len());
+    let manifest = StudyManifest::of(archive, text, Program::this(archive.folder), results);
     if let Some(warning) = manifest.warning() {
         eprintln!("{warning}");
     }

@@ -47,13 +47,8 @@ pub fn gc(arguments: &GcArguments) -> anyhow::Result<Exit> {
         let other = Archive::open(&study, &arguments.study.out, arguments.study.folder())?;
         wanted.extend((0..study.cases.len()).map(|index| other.key(index).to_string()));
     }
-    let path = archive.store.lock();
-    let lock = Lock::take(&path, Hold::Alone)?;
-    anyhow::ensure!(
-        lock.is_some() || !arguments.delete,
-        "{}: the study is in use; nothing is deleted: try again when its runners are done",
-        path.display()
-    );
+    // A list needs no lock, which would keep runners from beginning.
+    let _lock = arguments.delete.then(|| alone(&archive)).transpose()?;
     let garbage = garbage(&archive, &wanted, arguments.all);
     if arguments.delete {
         garbage.iter().try_for_each(delete)?;
@@ -68,4 +63,15 @@ pub fn gc(arguments: &GcArguments) -> anyhow::Result<Exit> {
     let done = if arguments.delete { "deleted" } else { "may go; `--delete` deletes it" };
     println!("{} files and folders, {}: {done}", garbage.len(), memory::in_words(bytes as f64));
     Ok(Exit::Done)
+}
+
+/// Keeps runners out of the study.
+fn alone(archive: &Archive) -> anyhow::Result<Lock> {
+    let path = archive.store.lock();
+    Lock::take(&path, Hold::Alone)?.ok_or_else(|| {
+        let path = path.display();
+        anyhow::anyhow!(
+            "{path}: the study is in use; nothing is deleted: try again when its runners are done"
+        )
+    })
 }

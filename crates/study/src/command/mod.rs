@@ -102,12 +102,6 @@ pub enum Command {
     },
 }
 
-/// An error with its causes.
-fn in_full(error: &dyn std::error::Error) -> String {
-    let causes = std::iter::successors(error.source(), |cause| cause.source());
-    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
-}
-
 /// Prints a value as JSON.
 fn print_json(value: &impl Serialize) -> anyhow::Result<Exit> {
     println!("{}", serde_json::to_string_pretty(value)?);

@@ -1,6 +1,7 @@
 //! A study that a command works on.
 
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use snowlab_study::memory;
@@ -59,18 +60,45 @@ impl StudyArguments {
     }
 }
 
-/// Keeps others from clearing away what is in use.
+/// Time that a command waits for `gc` to end, and between two looks (chosen: a minute deletes the files of ten thousand cases from a disk).
+const LONGEST_WAIT: Duration = Duration::from_secs(60);
+const WAIT: Duration = Duration::from_millis(100);
+
+/// Keeps others from clearing away what is in use; waits for one who is at it.
 pub fn use_study(archive: &Archive) -> anyhow::Result<Lock> {
-    let path = archive.store.lock();
-    let lock = Lock::take(&path, Hold::Shared)?;
-    lock.ok_or_else(|| {
-        anyhow::anyhow!("{}: `snowlab gc` is clearing the study; try again when it is done", path.display())
-    })
+    let (path, began) = (archive.store.lock(), Instant::now());
+    loop {
+        if let Some(lock) = Lock::take(&path, Hold::Shared)? {
+            return Ok(lock);
+        }
+        anyhow::ensure!(
+            began.elapsed() < LONGEST_WAIT,
+            "{}: `snowlab gc` is clearing the study; try again when it is done",
+            path.display()
+        );
+        std::thread::sleep(WAIT);
+    }
 }
 
 /// Bytes of the largest of the cases of the given numbers.
 pub fn largest(study: &Study, numbers: &[usize]) -> Option<f64> {
     numbers.iter().filter_map(|&index| memory::of_case(&study.cases[index].scene)).reduce(f64::max)
+}
+
+/// Cases of the given numbers at a time, and threads of each, where `jobs` and `threads` are asked for: no more than there is memory for.
+///
+/// # Errors
+/// Where not even one case fits.
+pub fn shares(
+    study: &Study,
+    numbers: &[usize],
+    jobs: Option<usize>,
+    threads: Option<usize>,
+) -> Result<(usize, usize), String> {
+    let cores = jobs.unwrap_or_else(super::cores).max(1);
+    let side_by_side = memory::side_by_side(largest(study, numbers), numbers.len(), cores)?;
+    // A thread for each of many cases keeps all cores busy; few cases share the cores.
+    Ok((side_by_side, threads.unwrap_or(cores / side_by_side).max(1)))
 }
 
 /// Why a case stopped, where it has.

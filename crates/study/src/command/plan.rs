@@ -2,13 +2,13 @@
 
 use clap::Args;
 use serde::Serialize;
-use snowlab_study::cost::{Basis, Cost, costs, wall_time};
+use snowlab_study::cost::{Basis, Cost, Effort, costs, wall_time};
 use snowlab_study::memory;
 use snowlab_study::plan::{Look, Status, statuses};
 use snowlab_study::results::Archive;
 
 use super::Exit;
-use super::opened::{Opened, StudyArguments, duration, largest};
+use super::opened::{Opened, StudyArguments, duration, largest, shares};
 use super::print_json;
 
 /// What to plan, and how to tell.
@@ -16,9 +16,12 @@ use super::print_json;
 pub struct PlanArguments {
     #[command(flatten)]
     study: StudyArguments,
-    /// Cases side by side; by default one for each core
+    /// Cases side by side; by default one for each core, fewer where memory is short
     #[arg(long)]
     jobs: Option<usize>,
+    /// Threads of each case; by default the cores are shared among the cases
+    #[arg(long)]
+    threads_per_case: Option<usize>,
     /// Try no scene: where nothing is known of an arm, its time is a guess
     #[arg(long)]
     no_trials: bool,
@@ -52,6 +55,7 @@ struct Plan<'a> {
     cases: Vec<PlannedCase<'a>>,
     to_run: usize,
     jobs: usize,
+    threads: usize,
     predicted_seconds: f64,
     predicted_particle_steps: f64,
     memory_of_a_case: Option<f64>,
@@ -68,8 +72,16 @@ pub fn plan(arguments: &PlanArguments) -> anyhow::Result<Exit> {
         to_run.iter().for_each(|&index| println!("{}", archive.key(index)));
         return Ok(Exit::Done);
     }
-    let costs = costs(&archive, &statuses, !arguments.no_trials);
-    let jobs = arguments.jobs.unwrap_or_else(super::cores).min(to_run.len()).max(1);
+    let effort = if arguments.no_trials { Effort::Table } else { Effort::Trials };
+    let costs = costs(&archive, &statuses, effort);
+    let (jobs, threads) = match shares(&study, &to_run, arguments.jobs, arguments.threads_per_case) {
+        Ok(shares) => shares,
+        Err(message) => {
+            eprintln!("{message}");
+            (1, arguments.threads_per_case.unwrap_or(1))
+        }
+    };
+    let seconds = wall_time(to_run.iter().map(|&index| &costs[index]), jobs, threads);
     if arguments.json {
         let told = statuses.iter().map(|status| {
             let case = &study.cases[status.index];
@@ -89,14 +101,18 @@ pub fn plan(arguments: &PlanArguments) -> anyhow::Result<Exit> {
             cases: told.collect(),
             to_run: to_run.len(),
             jobs,
-            predicted_seconds: wall_time(&costs, &to_run, jobs),
+            threads,
+            predicted_seconds: seconds,
             predicted_particle_steps: to_run.iter().map(|&index| costs[index].particle_steps).sum(),
             memory_of_a_case: largest(&study, &to_run),
             memory_free: memory::available(),
         });
     }
     statuses.iter().for_each(|status| println!("{}", line(&archive, status, &costs[status.index])));
-    summary(&archive, &to_run, &costs, jobs);
+    summary(&archive, &to_run, &costs);
+    if !to_run.is_empty() {
+        println!("time: about {} with {jobs} at a time on {threads} threads each", duration(seconds));
+    }
     println!("{} cases: {} finished, {} to run", statuses.len(), statuses.len() - to_run.len(), to_run.len());
     Ok(Exit::Done)
 }
@@ -115,7 +131,7 @@ fn line(archive: &Archive, status: &Status, cost: &Cost) -> String {
     format!("{head}: {}{}, about {}", status.state.why(), from.unwrap_or_default(), duration(cost.seconds))
 }
 
-fn summary(archive: &Archive, to_run: &[usize], costs: &[Cost], jobs: usize) {
+fn summary(archive: &Archive, to_run: &[usize], costs: &[Cost]) {
     let study = archive.study;
     if to_run.is_empty() {
         return;
@@ -126,10 +142,7 @@ fn summary(archive: &Archive, to_run: &[usize], costs: &[Cost], jobs: usize) {
     }
     let steps: f64 = to_run.iter().map(|&index| costs[index].particle_steps).sum();
     let guessed = to_run.iter().filter(|&&index| costs[index].basis == Basis::FirstStep).count();
-    println!(
-        "time: about {} with {jobs} at a time, {steps:.1e} particle-steps",
-        duration(wall_time(costs, to_run, jobs))
-    );
+    println!("work: {steps:.1e} particle-steps");
     if guessed > 0 {
         println!(
             "  of {guessed} cases nothing like them has been run: their steps are taken to be as long as the first one, and snow that \

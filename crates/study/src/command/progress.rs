@@ -2,15 +2,15 @@
 
 use std::io::IsTerminal;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use snowlab_study::case_run::CaseEnd;
+use snowlab_study::record::in_full;
 use snowlab_study::results::Archive;
 use snowlab_study::schedule::Progress;
 use snowlab_study::store::StoreError;
-
-use super::in_full;
 
 /// Time between plain lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(10);
@@ -23,6 +23,8 @@ pub struct Bar<'a> {
     bar: Option<ProgressBar>,
     total: usize,
     plain: Mutex<Plain>,
+    /// Whether it was told that a case could not be put away.
+    warned: AtomicBool,
 }
 
 struct Plain {
@@ -40,7 +42,16 @@ impl<'a> Bar<'a> {
             ProgressBar::new(TICKS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
         let now = Instant::now();
-        Bar { archive, bar, total, plain: Mutex::new(Plain { started: now, latest: now, share: 0.0 }) }
+        let plain = Mutex::new(Plain { started: now, latest: now, share: 0.0 });
+        Bar { archive, bar, total, plain, warned: AtomicBool::new(false) }
+    }
+
+    fn tell(&self, index: usize, what: &str) {
+        let line = format!("{}: {what}", self.archive.describe(index));
+        match &self.bar {
+            Some(bar) => bar.suspend(|| eprintln!("{line}")),
+            None => eprintln!("{line}"),
+        }
     }
 
     fn line(&self, share: f64, cases: usize) {
@@ -71,16 +82,19 @@ impl Progress for Bar<'_> {
         }
     }
 
+    fn not_put_away(&self, index: usize, error: &StoreError) {
+        // Once: it may be so at every checkpoint of every case.
+        if !self.warned.swap(true, Ordering::Relaxed) {
+            self.tell(index, &format!("cannot be put away, goes on: {}", in_full(error)));
+        }
+    }
+
     fn ended(&self, index: usize, result: Result<&CaseEnd, &StoreError>) {
         let what = match result {
             Ok(CaseEnd::Finished) => return,
             Ok(end) => end.in_words(),
             Err(error) => format!("failed: {}", in_full(error)),
         };
-        let line = format!("{}: {what}", self.archive.describe(index));
-        match &self.bar {
-            Some(bar) => bar.suspend(|| eprintln!("{line}")),
-            None => eprintln!("{line}"),
-        }
+        self.tell(index, &what);
     }
 }

@@ -9,21 +9,19 @@ use clap::Args;
 use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag::{register, register_conditional_shutdown};
-use snowlab_study::attempt::Attempt;
-use snowlab_study::cost::costs;
+use snowlab_study::cost::{Effort, costs};
 use snowlab_study::keeper::{CHECKPOINT_INTERVAL, Limits};
 use snowlab_study::manifest::Program;
-use snowlab_study::memory;
-use snowlab_study::plan::{Look, State, Status, statuses};
+use snowlab_study::plan::{Look, State, Status, statuses_of};
+use snowlab_study::record::in_full;
 use snowlab_study::results::Archive;
-use snowlab_study::schedule::{Account, Orders, run_cases};
-use snowlab_study::store::RUN;
+use snowlab_study::schedule::{Account, Orders, Task, run_cases, tidy};
 
 use super::collect::collect_tables;
-use super::opened::{Opened, StudyArguments, largest, use_study};
+use super::opened::{Opened, StudyArguments, shares, use_study};
 use super::preflight::warn_of_study;
 use super::progress::Bar;
-use super::{Exit, in_full, print_json};
+use super::{Exit, print_json};
 
 /// What to run, and how.
 #[derive(Debug, Args)]
@@ -88,6 +86,7 @@ struct Outcome<'a> {
     left: usize,
     seconds: f64,
     tables: Option<String>,
+    tables_failed: Option<String>,
 }
 
 /// Runs what is missing and writes the tables. Cases that stopped, now or before, are told by the exit code.
@@ -96,15 +95,21 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<Exit> {
     let Opened { study, text } = arguments.study.open()?;
     let archive = arguments.study.archive(&study)?;
     let _lock = use_study(&archive)?;
+    let chosen = arguments.chosen(&archive)?;
     let look = if arguments.repair { Look::Everything } else { Look::Records };
-    let statuses = statuses(&archive, look);
-    let numbers = arguments.numbers(&archive, &statuses)?;
-    eprintln!("{}: {} cases, {} to run", study.spec.name, study.cases.len(), numbers.len());
-    clear_records(&archive, &statuses, &numbers)?;
+    let effort = if arguments.is_of_the_whole_study() { Effort::Table } else { Effort::Own };
+    let statuses = statuses_of(&archive, &chosen, look);
+    let costs = costs(&archive, &statuses, effort);
+    let tasks = statuses.into_iter().zip(costs).map(|(status, cost)| Task { status, work: cost.seconds });
+    let (tasks, rest): (Vec<Task>, Vec<Task>) = tasks.partition(|task| arguments.takes(&task.status.state));
+    eprintln!("{}: {} cases, {} to run", study.spec.name, study.cases.len(), tasks.len());
+    let done = rest.iter().filter(|task| task.status.state.is_done());
+    done.map(|task| task.status.index).try_for_each(|index| tidy(&archive, index))?;
+    tasks.iter().filter_map(|task| done_again(&archive, &task.status)).for_each(|line| eprintln!("{line}"));
+    let numbers: Vec<usize> = tasks.iter().map(|task| task.status.index).collect();
     warn_of_study(&study, &numbers, arguments.study.folder());
     let orders = arguments.orders(&archive, &numbers)?;
-    let work: Vec<f64> = costs(&archive, &statuses, false).iter().map(|cost| cost.seconds).collect();
-    let account = run_cases(&archive, &numbers, &work, &orders, &Bar::new(&archive, numbers.len()));
+    let account = run_cases(&archive, tasks, &orders, &Bar::new(&archive, numbers.len()));
     let interrupted = orders.limits.stop.load(Ordering::Relaxed);
     if interrupted {
         eprintln!(
@@ -115,9 +120,11 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<Exit> {
     let whole = arguments.is_of_the_whole_study() && !interrupted;
     let mut told = arguments.told(&archive, &account, began);
     if whole {
-        let collected = collect_tables(&archive, &text, &[])?;
-        told.stopped = collected.stopped;
-        told.tables = Some(collected.path);
+        match collect_tables(&archive, &text, &[]) {
+            Ok(collected) => (told.stopped, told.tables) = (collected.stopped, Some(collected.path)),
+            // What was run is told all the same.
+            Err(error) => told.tables_failed = Some(format!("{error:#}")),
+        }
     } else {
         told.stopped.extend(numbers.iter().filter(|&&i| archive.stopped(i)).map(|&i| archive.describe(i)));
     }
@@ -126,14 +133,19 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<Exit> {
         (false, Some(path)) => println!("{path}"),
         (false, None) => {}
     }
-    Ok(match account {
-        _ if interrupted => Exit::Interrupted,
-        Account { unstored, failed, .. }
-            if !unstored.is_empty() || !failed.is_empty() || !told.stopped.is_empty() =>
-        {
-            Exit::CasesFailed
-        }
-        _ => Exit::Done,
+    if let Some(failure) = &told.tables_failed {
+        eprintln!("the tables are not written: {failure}");
+    }
+    let Account { unstored, failed, .. } = account;
+    Ok(if !unstored.is_empty() || told.tables_failed.is_some() {
+        // Also where it was asked to stop: not all that was begun is put away.
+        Exit::CasesFailed
+    } else if interrupted {
+        Exit::Interrupted
+    } else if !failed.is_empty() || !told.stopped.is_empty() {
+        Exit::CasesFailed
+    } else {
+        Exit::Done
     })
 }
 
@@ -142,9 +154,9 @@ impl RunArguments {
         self.case.is_empty() && self.index.is_none() && self.shard.is_none()
     }
 
-    /// Numbers of the cases to run.
-    fn numbers(&self, archive: &Archive, statuses: &[Status]) -> anyhow::Result<Vec<usize>> {
-        let count = statuses.len();
+    /// Numbers of the cases that are asked for, whatever there is of them.
+    fn chosen(&self, archive: &Archive) -> anyhow::Result<Vec<usize>> {
+        let count = archive.study.cases.len();
         let mut chosen: Vec<usize> = (0..count).collect();
         if !self.case.is_empty() {
             chosen = self.case.iter().map(|key| by_key(archive, key)).collect::<Result<_, _>>()?;
@@ -158,18 +170,18 @@ impl RunArguments {
         if let Some((part, parts)) = self.shard {
             chosen.retain(|i| i % parts == part - 1);
         }
-        chosen.retain(|&i| match self.failed {
-            true => statuses[i].state.has_failed(),
-            false => !statuses[i].state.is_done(),
-        });
         Ok(chosen)
     }
 
+    /// Whether a case of which there is that is to be run.
+    fn takes(&self, state: &State) -> bool {
+        if self.failed { state.has_failed() } else { !state.is_done() }
+    }
+
     fn orders(&self, archive: &Archive, numbers: &[usize]) -> anyhow::Result<Orders> {
-        let cores = self.jobs.unwrap_or_else(super::cores).max(1);
-        let side_by_side = memory::side_by_side(largest(archive.study, numbers), numbers.len(), cores)
-            .map_err(anyhow::Error::msg)?;
-        if side_by_side < cores.min(numbers.len()) {
+        let (side_by_side, threads) =
+            shares(archive.study, numbers, self.jobs, self.threads_per_case).map_err(anyhow::Error::msg)?;
+        if side_by_side < self.jobs.unwrap_or_else(super::cores).min(numbers.len()) {
             eprintln!("memory is free for {side_by_side} cases at a time");
         }
         let limits = Limits {
@@ -187,8 +199,7 @@ impl RunArguments {
         }
         Ok(Orders {
             side_by_side,
-            // A thread for each of many cases keeps all cores busy; few cases share the cores.
-            threads: self.threads_per_case.unwrap_or(cores / side_by_side).max(1),
+            threads,
             fail_fast: self.fail_fast,
             limits,
             program: Program::this(archive.folder),
@@ -212,23 +223,19 @@ impl RunArguments {
             left: account.left,
             seconds: began.elapsed().as_secs_f64(),
             tables: None,
+            tables_failed: None,
         }
     }
 }
 
-/// Takes the records of finished runs out of the way of cases that are run again, and says why; and what killed runners have left of finished cases.
-fn clear_records(archive: &Archive, statuses: &[Status], numbers: &[usize]) -> anyhow::Result<()> {
-    for status in statuses.iter().filter(|status| status.state.is_done()) {
-        Attempt::clear(&archive.case_folder(status.index))?;
-    }
-    for &index in numbers {
-        let state = &statuses[index].state;
-        if matches!(state, State::Damaged { .. } | State::Stopped { .. }) {
-            eprintln!("{} is run again: {}", archive.describe(index), state.why());
-            archive.case_folder(index).remove(RUN)?;
-        }
-    }
-    Ok(())
+/// What is told of a case that has been run before.
+fn done_again(archive: &Archive, Status { index, state, .. }: &Status) -> Option<String> {
+    let what = match state {
+        State::Damaged { .. } => "is made anew",
+        State::Stopped { .. } => "is run again",
+        _ => return None,
+    };
+    Some(format!("{} {what}: {}", archive.describe(*index), state.why()))
 }
 
 /// The number of the one case whose key begins with `key`.

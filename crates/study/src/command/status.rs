@@ -6,7 +6,7 @@ use clap::Args;
 use serde::Serialize;
 use snowlab_study::plan::{Look, State, Status, statuses};
 use snowlab_study::results::Archive;
-use snowlab_study::slurm;
+use snowlab_study::slurm::{Queued, Submission};
 
 use super::opened::{Opened, StudyArguments};
 use super::{Exit, print_json};
@@ -47,7 +47,7 @@ struct Summary<'a> {
     study: &'a str,
     profile: &'a str,
     counts: BTreeMap<&'static str, usize>,
-    queued: Option<Vec<slurm::Queued>>,
+    queued: Option<Vec<Queued>>,
     cases: Vec<Told<'a>>,
 }
 
@@ -58,7 +58,7 @@ pub fn status(arguments: &StatusArguments) -> anyhow::Result<Exit> {
     let statuses = statuses(&archive, if arguments.quick { Look::Records } else { Look::Everything });
     let mut counts = BTreeMap::new();
     statuses.iter().for_each(|status| *counts.entry(status.state.name()).or_default() += 1);
-    let queued = slurm::queued(&archive);
+    let queued = Submission::of(&archive).queued();
     if arguments.json {
         let told = statuses.iter().map(|status| {
             let (case, key) = (&study.cases[status.index], archive.key(status.index));
@@ -68,7 +68,7 @@ pub fn status(arguments: &StatusArguments) -> anyhow::Result<Exit> {
         print_json(&Summary { study: &study.spec.name, profile: &study.profile, counts, queued, cases })?;
     } else {
         list(&archive, &statuses, arguments.all);
-        for slurm::Queued { job, state, reason } in queued.iter().flatten() {
+        for Queued { job, state, reason } in queued.iter().flatten() {
             println!("queued       {job}  {state} {reason}");
         }
         let words = State::NAMES.iter().filter_map(|name| Some(format!("{} {name}", counts.get(name)?)));

@@ -5,12 +5,13 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use snowlab_study::attempt::now;
-use snowlab_study::cost::costs;
+use snowlab_study::cost::{Effort, costs};
 use snowlab_study::memory;
-use snowlab_study::plan::{Look, State, statuses};
+use snowlab_study::plan::{Look, State, Status, statuses};
+use snowlab_study::results::Archive;
 use snowlab_study::slurm::{ArrayJob, Submission, Submitted, chunks, most_elements};
 
-use super::opened::{Opened, StudyArguments, duration, largest};
+use super::opened::{Opened, StudyArguments, duration, use_study};
 use super::{Exit, print_json};
 
 /// What runs the cases.
@@ -57,13 +58,13 @@ const TIME_FACTOR: f64 = 3.0;
 const TIME_START: f64 = 600.0;
 /// Memory over its prediction, which is within 1.5 (docs/performance.md).
 const MEMORY_FACTOR: f64 = 1.5;
-/// Where nothing is known of a case [bytes] (chosen: plenty for a million particles).
+/// Of a case whose particles a file has [bytes] (chosen: plenty for a million particles).
 const USUAL_MEMORY: f64 = 4e9;
 /// Elements of an array where the cluster does not tell: Slurm's own default is 1001, which it counts from 0.
 const MOST_ELEMENTS: usize = 1000;
 
 /// What was submitted, as it is told by `--json`.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 struct Told {
     cases: usize,
     elements: usize,
@@ -77,14 +78,18 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
     let Executor::Slurm = arguments.executor;
     let Opened { study, .. } = arguments.study.open()?;
     let archive = arguments.study.archive(&study)?;
+    let _lock = use_study(&archive)?;
     let statuses = statuses(&archive, Look::Records);
-    let wanted = |state: &State| !state.is_done() && !matches!(state, State::Running { .. });
-    let numbers: Vec<usize> = statuses.iter().filter(|s| wanted(&s.state)).map(|s| s.index).collect();
+    let submission = Submission::of(&archive);
+    let numbers = missing(&archive, &statuses, &submission);
     if numbers.is_empty() {
+        if arguments.json {
+            return print_json(&Told::default());
+        }
         println!("{}: {} cases, none to submit", study.spec.name, study.cases.len());
         return Ok(Exit::Done);
     }
-    let costs = costs(&archive, &statuses, false);
+    let costs = costs(&archive, &statuses, Effort::Trials);
     let seconds = |index: usize| costs[index].seconds / arguments.threads_per_case.max(1) as f64;
     let most = arguments.most_elements.or_else(|| most_elements().map(|n| n.saturating_sub(1)));
     let most = most.unwrap_or(MOST_ELEMENTS).max(1);
@@ -95,8 +100,8 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
         .iter()
         .map(|chunk| chunk.iter().map(|&index| archive.key(index).to_string()).collect())
         .collect();
+    let memory_of = |index: usize| memory::of_case(&study.cases[index].scene).unwrap_or(USUAL_MEMORY);
     let directory = std::env::current_dir()?;
-    let submission = Submission::of(&archive);
     let program = match &arguments.program {
         Some(program) => program.clone(),
         None => std::env::current_exe()?.display().to_string(),
@@ -110,12 +115,14 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
         elements: &elements,
         threads: arguments.threads_per_case.max(1),
         seconds: TIME_FACTOR * longest + TIME_START,
-        memory: MEMORY_FACTOR * largest(&study, &numbers).unwrap_or(USUAL_MEMORY),
+        collect_memory: MEMORY_FACTOR
+            * memory::of_tables(study.cases.iter().map(|case| memory::frames(&case.scene))),
+        memory: MEMORY_FACTOR * numbers.iter().map(|&index| memory_of(index)).fold(0.0, f64::max),
     };
     let scripts = submission.write(&job)?;
     let submitted = match arguments.dry_run {
         true => None,
-        false => Some(submission.submit(&arguments.sbatch, now()).map_err(anyhow::Error::msg)?),
+        false => Some(submission.submit(&job, &arguments.sbatch, now()).map_err(anyhow::Error::msg)?),
     };
     let told = Told {
         cases: numbers.len(),
@@ -127,12 +134,31 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
     if arguments.json {
         return print_json(&told);
     }
+    tell(&told, job.memory);
+    Ok(Exit::Done)
+}
+
+/// Numbers of the cases that nobody has run, runs or is to run.
+fn missing(archive: &Archive, statuses: &[Status], submission: &Submission) -> Vec<usize> {
+    let queued = submission.keys_queued();
+    let is_missing = |state: &State| !state.is_done() && !matches!(state, State::Running { .. });
+    let missing = statuses.iter().filter(|status| is_missing(&status.state)).map(|status| status.index);
+    let (waiting, missing): (Vec<usize>, Vec<usize>) =
+        missing.partition(|&index| queued.contains(archive.key(index)));
+    if !waiting.is_empty() {
+        let count = waiting.len();
+        eprintln!("{count} cases are left to elements that wait or run; `scancel` takes those back");
+    }
+    missing
+}
+
+fn tell(told: &Told, memory: f64) {
     println!(
         "{} cases in {} elements, the longest of about {}, {} each",
         told.cases,
         told.elements,
-        duration(longest),
-        memory::in_words(job.memory)
+        duration(told.predicted_seconds_of_the_longest),
+        memory::in_words(memory)
     );
     told.scripts.iter().for_each(|path| println!("{path}"));
     match &told.submitted {
@@ -143,5 +169,4 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
         }
         None => println!("nothing is submitted; `sbatch {}` does it by hand", told.scripts[1]),
     }
-    Ok(Exit::Done)
 }

@@ -19,11 +19,13 @@ mod ply;
 mod ply_header;
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, BufWriter, Write};
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 use snowlab_solver::{Matrix, Vector};
 use thiserror::Error;
+
+use crate::store::put_whole;
 
 use columns::Table;
 
@@ -57,7 +59,7 @@ pub enum AnyPointCloud {
 #[derive(Debug, Error)]
 pub enum PointsError {
     /// It cannot be read or written.
-    #[error("{}: {reason}", path.display())]
+    #[error("{}: {reason}; check the path, its permissions and the space on the disk", path.display())]
     Io {
         /// The file.
         path: PathBuf,
@@ -127,7 +129,7 @@ pub fn write<const D: usize>(path: &Path, positions: &[Vector<f64, D>]) -> Resul
     write_cloud(path, &PointCloud { positions: positions.to_vec(), ..PointCloud::default() })
 }
 
-/// Writes points with all they have, as CSV or binary PLY, told apart by the ending.
+/// Writes points with all they have, as CSV or binary PLY, told apart by the ending. The file is whole or not there, or what it was before.
 ///
 /// CSV has as many digits as bring back the same bits, and `x,y` in 2D. PLY is binary little-endian, `double`, with
 /// z = 0 (and vz = 0) in 2D, since common readers (meshio 5.3 for one) fail without `z`.
@@ -142,12 +144,7 @@ pub fn write_cloud<const D: usize>(path: &Path, cloud: &PointCloud<D>) -> Result
         Format::Ply => ply::write::<D>,
     };
     cloud.check().map_err(|message| format_error(path, 0, message))?;
-    let save = || -> std::io::Result<()> {
-        let mut file = BufWriter::new(File::create(path)?);
-        form(&mut file, cloud)?;
-        file.flush()
-    };
-    save().map_err(|reason| PointsError::Io { path: path.into(), reason })
+    put_whole(path, |file| form(file, cloud)).map_err(|reason| PointsError::Io { path: path.into(), reason })
 }
 
 /// A format, told by the ending of a file's name.

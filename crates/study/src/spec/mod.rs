@@ -33,6 +33,14 @@ pub enum SpecError {
         /// Why.
         source: std::io::Error,
     },
+    /// A file of particles that a scene names cannot be read, just now or ever.
+    #[error("{place}: {message}")]
+    Particles {
+        /// File or case, and key.
+        place: String,
+        /// Which file, and why.
+        message: String,
+    },
     /// Something that means nothing.
     #[error("{place}: {message}")]
     Value {
@@ -69,7 +77,9 @@ impl SpecError {
     }
 
     fn on_line(self, line: impl FnOnce(&str) -> Option<usize>) -> Self {
-        let SpecError::Value { place, .. } = &self else { return self };
+        let (SpecError::Value { place, .. } | SpecError::Particles { place, .. }) = &self else {
+            return self;
+        };
         match line(place) {
             Some(line) => self.before(format!("line {line}, ")),
             None => self,
@@ -80,6 +90,9 @@ impl SpecError {
         match self {
             SpecError::Value { place, message } => {
                 SpecError::Value { place: format!("{text}{place}"), message }
+            }
+            SpecError::Particles { place, message } => {
+                SpecError::Particles { place: format!("{text}{place}"), message }
             }
             other => other,
         }

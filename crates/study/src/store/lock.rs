@@ -10,7 +10,7 @@ use super::StoreError;
 /// A lock, held until it is dropped.
 #[derive(Debug)]
 pub struct Lock {
-    _file: Option<File>,
+    file: Option<File>,
 }
 
 /// How a lock is held.
@@ -32,17 +32,29 @@ impl Lock {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(failed)?;
         }
-        let file = OpenOptions::new().create(true).truncate(false).write(true).open(path).map_err(failed)?;
+        // Read and write: where locks are those of ranges of bytes, as on NFS, a shared one takes the right to read and one alone that to write.
+        let file = OpenOptions::new()
+            .create(true)
+            .truncate(false)
+            .read(true)
+            .write(true)
+            .open(path)
+            .map_err(failed)?;
         let taken = match hold {
             Hold::Shared => file.try_lock_shared(),
             Hold::Alone => file.try_lock(),
         };
         match taken {
-            Ok(()) => Ok(Some(Lock { _file: Some(file) })),
+            Ok(()) => Ok(Some(Lock { file: Some(file) })),
             Err(TryLockError::WouldBlock) => Ok(None),
-            Err(TryLockError::Error(error)) if has_no_locks(&error) => Ok(Some(Lock { _file: None })),
+            Err(TryLockError::Error(error)) if has_no_locks(&error) => Ok(Some(Lock { file: None })),
             Err(TryLockError::Error(error)) => Err(failed(error)),
         }
+    }
+
+    /// Whether it keeps others out: not where the file system has no locks.
+    pub fn is_held_here(&self) -> bool {
+        self.file.is_some()
     }
 
     /// Whether somebody holds the lock at `path` alone.
@@ -59,7 +71,21 @@ fn has_no_locks(error: &io::Error) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::io::{Read, Seek, Write};
+
     use super::*;
+
+    /// On NFS a shared lock of a file that is open for writing alone is refused (EBADF): here the right to read is looked at itself.
+    #[test]
+    fn a_lock_has_the_rights_that_network_file_systems_want() {
+        let folder = tempfile::tempdir().expect("a folder for the test");
+        for hold in [Hold::Shared, Hold::Alone] {
+            let lock = Lock::take(&folder.path().join("lock"), hold).expect("the folder can be written");
+            let mut file = lock.and_then(|lock| lock.file).expect("free");
+            file.write_all(b"x").and_then(|()| file.rewind()).expect("it can be written");
+            assert_eq!(file.read(&mut [0; 2]).expect("it can be read"), 1);
+        }
+    }
 
     #[test]
     fn one_holds_a_lock_alone_and_many_share_it() {

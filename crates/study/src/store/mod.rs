@@ -8,7 +8,7 @@
 //!                           metrics-<k>.json   fragments, by the key of the measurement
 //!                           log.txt        what happened when
 //!                           lock           held by who runs the case
-//!            while it runs: attempt.json   who runs it: what is left of one who was killed
+//!       until it is finished: attempt.json   who runs it, or did last: one who was killed has not ended
 //!                           checkpoint.bin where it goes on
 //!            where it failed for no fault of its own:
 //!                           failure.json   why: such a case is run again
@@ -22,8 +22,8 @@ mod whole;
 
 pub use lock::{Hold, Lock};
 pub use whole::{
-    Hashing, TEMPORARY, read_whole, remove, seal, sign, unseal, verify, write_once, write_whole,
-    write_whole_with,
+    Hashing, is_temporary, put_whole, read_whole, remove, seal, sign, sweep, unseal, verify, write_once,
+    write_whole, write_whole_with,
 };
 
 use std::path::{Path, PathBuf};
@@ -73,7 +73,8 @@ pub enum StoreError {
     /// The same case gave two results.
     #[error(
         "{}: a second run of the case gave other bytes, kept as {}; the same case must give the same bytes: the \
-         machine, the disk or the program is at fault; please report it with both files",
+         machine, the disk or the program is at fault; please report it with both files, then delete the case's folder: \
+         the next run makes it anew",
         path.display(),
         second.display()
     )]
@@ -225,12 +226,12 @@ impl CaseFolder {
         remove(&self.path.join(name))
     }
 
-    /// Writes frames.
+    /// Writes frames. Those of a finished run stay and must be the same; without its record they are nobody's result and are written over.
     ///
     /// # Errors
-    /// [`StoreError::Io`].
+    /// [`StoreError`].
     pub fn write_frames<const D: usize>(&self, frames: &Frames<D>) -> Result<(), StoreError> {
-        let sound = |bytes: &[u8]| verify(self.key(), bytes).is_ok();
+        let sound = |bytes: &[u8]| self.is_finished() && verify(self.key(), bytes).is_ok();
         write_once(&self.path.join(FRAMES), &sign(self.key(), frames.to_bytes()), sound)
     }
 

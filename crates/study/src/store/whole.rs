@@ -28,24 +28,33 @@ pub fn write_whole_with(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), StoreError> {
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let put = || -> io::Result<()> {
-        std::fs::create_dir_all(folder)?;
-        // Readable as any file the user makes: the umask takes from 0666 what it forbids.
-        let mode = std::os::unix::fs::PermissionsExt::from_mode(0o666);
-        let file = tempfile::Builder::new().prefix(TEMPORARY).permissions(mode).tempfile_in(folder)?;
-        let mut writer = BufWriter::new(file);
-        write(&mut writer)?;
-        let file = writer.into_inner().map_err(io::IntoInnerError::into_error)?;
-        file.as_file().sync_all()?;
-        file.persist(path).map_err(|error| error.error)?;
-        std::fs::File::open(folder)?.sync_all()
-    };
-    put().map_err(|source| StoreError::Io { path: path.into(), source })
+    let written = std::fs::create_dir_all(folder_of(path)).and_then(|()| put_whole(path, write));
+    written.map_err(|source| StoreError::Io { path: path.into(), source })
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// As [`write_whole_with`], for files that are no results: their folder has to be there.
+///
+/// # Errors
+/// The disk's.
+pub fn put_whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let folder = folder_of(path);
+    // Readable as any file the user makes: the umask takes from 0666 what it forbids.
+    let mode = std::os::unix::fs::PermissionsExt::from_mode(0o666);
+    let file = tempfile::Builder::new().prefix(TEMPORARY).permissions(mode).tempfile_in(folder)?;
+    let mut writer = BufWriter::new(file);
+    write(&mut writer)?;
+    let file = writer.into_inner().map_err(io::IntoInnerError::into_error)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|error| error.error)?;
+    std::fs::File::open(folder)?.sync_all()
 }
 
 /// How the names of files begin that are not yet whole: what is left of them where a runner was killed may be deleted.
-pub const TEMPORARY: &str = ".unfinished-";
+const TEMPORARY: &str = ".unfinished-";
 
 /// Writes a file that follows from the case alone: where it is there already it must have the same bytes, and stays.
 ///
@@ -73,6 +82,26 @@ pub fn read_whole(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(source) => Err(StoreError::Io { path: path.into(), source }),
     }
+}
+
+/// Deletes what writers have left in a folder who were killed: nobody else may be writing to it now.
+///
+/// # Errors
+/// [`StoreError::Io`].
+pub fn sweep(folder: &Path) -> Result<(), StoreError> {
+    let failed = |source| StoreError::Io { path: folder.into(), source };
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        if is_temporary(&path) {
+            remove(&path)?;
+        }
+    }
+    Ok(())
+}
+
+/// Whether a file has the name of one that is not yet whole.
+pub fn is_temporary(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(TEMPORARY))
 }
 
 /// Deletes a file that may not be there.
