@@ -90,6 +90,14 @@ pub struct HistoryRow {
 }
 
 impl HistoryRow {
+    /// Whether all its entries are numbers, which those of f32 may outgrow.
+    pub fn is_finite(&self) -> bool {
+        let energies = [self.kinetic, self.elastic, self.potential, self.plastic_loss, self.collider_work];
+        let booked = [self.transfer_loss, self.contact_loss];
+        let impulses = self.impulses.iter().flatten();
+        energies.iter().chain(booked.iter().flatten()).chain(impulses).all(|entry| entry.is_finite())
+    }
+
     /// The ledgers of a simulation now.
     pub fn of<T: Real, const D: usize>(simulation: &Simulation<T, D>) -> Self {
         let state = simulation.state();

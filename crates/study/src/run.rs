@@ -138,6 +138,13 @@ fn begun<T: Real, const D: usize>(
     let kept = Kept { frames: Frames::new(&state), history: Vec::new() };
     let simulation = Simulation::with_threads(scene, state, threads)
         .map_err(|error| SpecError::value("scene", error.to_string()))?;
+    if !HistoryRow::of(&simulation).is_finite() {
+        let advice = "use \"f64\", or lower densities, speeds and stiffness";
+        return Err(SpecError::value(
+            "`numerics.precision`",
+            format!("is outgrown by the energies at the start; {advice}"),
+        ));
+    }
     check_steps(step_length(simulation.scene(), simulation.state()), clock.end(None))?;
     Ok((simulation, kept))
 }
@@ -204,7 +211,9 @@ fn advance<T: Real, const D: usize>(
         if !simulation.confirm()? {
             return Ok(None);
         }
-        kept.keep(simulation, observer);
+        if !kept.keep(simulation, observer) {
+            return Ok(Some(overflow(time)));
+        }
     }
     if time >= clock.end(contact) {
         return Ok(Some(if clock.missed_contact(contact) { no_contact(time) } else { Outcome::Ok }));
@@ -232,10 +241,16 @@ impl<const D: usize> Kept<D> {
         self.frames.frames.last().map(|frame| frame.time)
     }
 
-    fn keep<T: Real>(&mut self, simulation: &Simulation<T, D>, observer: &mut impl Observer) {
+    /// `false` where there is nothing to keep: energies have outgrown the precision.
+    fn keep<T: Real>(&mut self, simulation: &Simulation<T, D>, observer: &mut impl Observer) -> bool {
+        let row = HistoryRow::of(simulation);
+        if !row.is_finite() {
+            return false;
+        }
         self.frames.frames.push(Frame::of(simulation.state()));
-        self.history.push(HistoryRow::of(simulation));
+        self.history.push(row);
         observer.frame(simulation);
+        true
     }
 
     /// Keeps the state that a run stopped at, unless it is a frame already.
@@ -276,6 +291,15 @@ fn stalled<T: Real, const D: usize>(simulation: &Simulation<T, D>, end: f64) -> 
              too stiff or too fast: lower `hardening` or speed, or set `hardening_limit` or `plastic_ratio_bounds`"
         ),
     })
+}
+
+fn overflow(time: f64) -> Outcome {
+    Outcome::Stopped {
+        reason: "overflow".into(),
+        message: format!(
+            "at t = {time:.6e} s: energies outgrow the precision; shorten the steps, leave the watchdog on, or use `numerics.precision` = \"f64\""
+        ),
+    }
 }
 
 fn no_contact(time: f64) -> Outcome {
