@@ -7,6 +7,7 @@ mod input_page;
 mod measure;
 mod memory;
 mod notation;
+mod pages;
 mod panics;
 mod particle_files;
 mod preflight;

@@ -56,7 +56,7 @@ const CLIFFS: &[Cliff] = &[
         "numerics.fixed_step",
         &["hardens", "leave it out"],
     ),
-    ("[0.0, -3.0]", "[0.0, -15.0]", "body.0.velocity", &["Mach 0.78", "nearly as fast", "below 9.86 m/s"]),
+    ("[0.0, -3.0]", "[0.0, -15.0]", "body.0.velocity", &["Mach 0.76", "nearly as fast", "below 9.86 m/s"]),
     ("[0.0, -3.0]", "[0.0, -60.0]", "body.0.velocity", &["Mach 3.0", "faster than"]),
     ("end = 0.2", "end = 0.01", "output.end", &["nothing meets", "before the run ends"]),
     (

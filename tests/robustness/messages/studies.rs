@@ -58,6 +58,16 @@ const TABLE: &[Refused] = &[
         "[[arm]]\nid = \"two\"\ntrade = { reference = \"two\", family = \"f\" }\n",
         &["`arm.1.trade.reference`", "is \"two\"", "the arm itself", "name the one whose results"],
     ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[feature]]\nname = \"f\"\non = \"one\"\noff = \"three\"\n",
+        &["`feature.0.off`", "\"three\"", ARMS],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[feature]]\nname = \"f\"\non = \"one\"\noff = \"one\"\n",
+        &["`feature.0.off`", "is \"one\"", "name one that does without"],
+    ),
     // Checks, which may not go in circles.
     refused(
         "[[arm]]\nid = \"one\"\n[[arm]]\nid = \"two\"\n",

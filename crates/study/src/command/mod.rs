@@ -2,9 +2,11 @@
 
 mod collect;
 mod compare;
+mod features;
 mod fragments;
 mod gc;
 mod opened;
+mod page;
 mod plan;
 mod preflight;
 mod progress;
@@ -84,6 +86,19 @@ pub enum Command {
         #[arg(short, long)]
         output: PathBuf,
     },
+    /// Measure what the features of a study cost and what they do
+    Features(features::FeaturesArguments),
+    /// Take steps of a scene on one thread and write nothing, for those who count instructions
+    #[command(hide = true)]
+    Steps {
+        /// Scene file
+        scene: PathBuf,
+        /// How many
+        #[arg(long)]
+        count: u64,
+    },
+    /// Write a page of text whose numbers come from tables
+    Page(page::PageArguments),
     /// Carry out experiments with known answers: what the solver has been shown to do
     Verify(verify::VerifyArguments),
     /// Count the fragments of a file of points by friends-of-friends
@@ -134,6 +149,9 @@ impl Command {
                 Ok(Exit::Done)
             }
             Command::Compare(arguments) => compare::compare(arguments),
+            Command::Features(arguments) => features::features(&arguments),
+            Command::Steps { scene, count } => features::steps(&scene, count),
+            Command::Page(arguments) => page::page(&arguments),
             Command::Preflight(arguments) => preflight::look(&arguments),
             Command::Simulate { scene, out, threads } => simulate::simulate(&scene, &out, threads),
             Command::Sample { scene, output } => sample::sample(&scene, &output),

@@ -66,7 +66,9 @@ pub fn preflight(spec: &SceneSpec, folder: &Path, threads: usize) -> Result<Pref
     let began = Instant::now();
     let facts = facts(spec, folder)?;
     let building = began.elapsed().as_secs_f64();
-    let pace = pace::pace(stepper(spec, folder, threads)?.as_mut(), BUDGET);
+    let mut endless = spec.clone();
+    endless.numerics.max_steps = u64::MAX;
+    let pace = pace::pace(stepper(&endless, folder, threads)?.as_mut(), BUDGET);
     // Where its own first steps fail, the scene is rehearsed all the same, for what that tells.
     let step = pace.as_ref().map_or(0.0, |pace| pace.unit());
     let rehearsals = rehearsal::rehearse(spec, folder, facts.particles, |small| small.seconds(step))?;
@@ -76,7 +78,7 @@ pub fn preflight(spec: &SceneSpec, folder: &Path, threads: usize) -> Result<Pref
     hazards.extend(pace.err().map(|message| Advice::new("numerics", message, "see what else is said here")));
     hazards.extend(predicted.and_then(|predicted| too_many_steps(spec, &predicted)));
     let needless = match predicted {
-        Some(_) => needless::needless(spec, &facts, &rehearsals, folder, threads, BUDGET)?,
+        Some(_) => needless::needless(&endless, &facts, &rehearsals, folder, threads, BUDGET)?,
         None => Vec::new(),
     };
     Ok(Preflight { facts, rehearsals, predicted, hazards, needless })

@@ -25,6 +25,8 @@ const FIRST_STEPS: u64 = 50;
 /// Steps in which snow yields take longer than the first ones, within this range (measured: 1.0 to 1.3 in the arms of studies/placement.toml);
 /// what lies beyond it is other work on the machine.
 const SLOWING: (f64, f64) = (1.0, 1.5);
+/// Steps after which a rehearsal is given up (chosen: some seconds of a few hundred particles).
+const MOST_STEPS: u64 = 200_000;
 /// Where hardening shortens steps it does so the more, the finer the grid: steps go with h to the power -(1 + this) (measured: 0.06 to 0.6, mean
 /// 0.2, between 2 h and h in the arms of studies/placement.toml). Waves alone give -1.
 const HARDENING_GROWTH: f64 = 0.2;
@@ -166,6 +168,7 @@ fn coarsened(spec: &SceneSpec, coarser: usize) -> Option<SceneSpec> {
             None => {}
         }
     }
+    scene.numerics.max_steps = MOST_STEPS;
     scene.output.frame_interval = scene.output.end;
     Some(scene)
 }

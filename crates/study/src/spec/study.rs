@@ -37,6 +37,9 @@ pub struct StudySpec {
     /// Arms that nothing can break (an elastic ball, a ball at rest): the claims need them to read as one piece.
     #[serde(default)]
     pub noise_floor: Vec<String>,
+    /// Pairs of arms that differ by a feature.
+    #[serde(default)]
+    pub feature: Vec<FeatureSpec>,
     /// Claims judged from the arms: one family.
     #[serde(default)]
     pub claim: Vec<Claim>,
@@ -160,6 +163,18 @@ impl SweepSpec {
     pub fn takes(&self, id: &str) -> bool {
         self.arms.is_empty() || self.arms.iter().any(|arm| arm == id)
     }
+}
+
+/// Two arms that are the same but for one feature of the solver, which `snowlab features` holds against each other.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FeatureSpec {
+    /// Words for the feature.
+    pub name: String,
+    /// The arm that has it.
+    pub on: String,
+    /// The arm that does without.
+    pub off: String,
 }
 
 /// A map of how cases end over two axes of the sweep: a figure and rows of `maps.csv`.

@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use super::range::{NOT_NEGATIVE, POSITIVE, Range, Shown, at_least, within};
 use super::study::{
-    ArmSpec, BlockSpec, CheckSpec, DEFAULT_PROFILE, ExpectSpec, MeasureSpec, ProfileSpec, SweepSpec,
+    ArmSpec, BlockSpec, CheckSpec, DEFAULT_PROFILE, ExpectSpec, FeatureSpec, MeasureSpec, ProfileSpec,
+    SweepSpec,
 };
 use super::{Spec, SpecError, StudySpec, brief};
 use crate::claims::Claim;
@@ -66,6 +67,7 @@ impl Spec for StudySpec {
         }
         self.check_sweep(ids)?;
         self.check_maps(ids)?;
+        self.feature.iter().enumerate().try_for_each(|(n, feature)| self.check_feature(ids, n, feature))?;
         self.noise_floor.iter().try_for_each(|id| ids.check("`noise_floor`", id))?;
         for (family, claims) in [("claim", &self.claim), ("control", &self.control)] {
             claims.iter().enumerate().try_for_each(|(n, claim)| self.check_claim(ids, family, n, claim))?;
@@ -208,6 +210,17 @@ impl StudySpec {
                 let message = format!("names the profile \"{name}\"; the study has: {}", known.join(", "));
                 return refuse(place("profiles"), message);
             }
+        }
+        Ok(())
+    }
+
+    fn check_feature(&self, ids: &Ids, number: usize, feature: &FeatureSpec) -> Result<(), SpecError> {
+        ids.check(format!("`feature.{number}.on`"), &feature.on)?;
+        ids.check(format!("`feature.{number}.off`"), &feature.off)?;
+        if feature.on == feature.off {
+            let message =
+                format!("is {:?}, the arm that has the feature; name one that does without", feature.off);
+            return refuse(format!("`feature.{number}.off`"), message);
         }
         Ok(())
     }
