@@ -124,8 +124,9 @@ pub enum SimulationError {
     },
     /// The watchdog found energy from nowhere, and no smaller step is left to try.
     #[error(
-        "energy rose from {before:.6e} J to {after:.6e} J by t = {time:.6e} s, more than {tolerance} of {scale:.3e} J, \
-         at dt = {dt:.3e} s: the step is above the stability limit"
+        "energy rose from {before:.6e} J to {} by t = {time:.6e} s, more than {tolerance} of {scale:.3e} J, \
+         at dt = {dt:.3e} s: the step is above the stability limit",
+        if after.is_finite() { format!("{after:.6e} J") } else { "more than the precision holds".to_owned() }
     )]
     EnergyRise {
         /// Time [s].
