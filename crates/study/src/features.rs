@@ -17,9 +17,9 @@ use crate::table::{Row, Table};
 use crate::tables::{case_row, usable};
 
 /// Instructions are counted between these steps (chosen: the first makes the engine's memory, and the impact of studies/features.toml has begun).
-const COUNTED: (u64, u64) = (50, 150);
-/// Metrics of `cases.csv` in which the effect is told: A = ln N_eff, D and the horizontal extent.
-const EFFECTS: [&str; 3] = ["ln_neff", "damage", "ln_extent"];
+const COUNTED: (u64, u64) = (50, 100);
+/// Metrics of `cases.csv` in which the effect is told, which move before a ball falls apart: the length of cracks, loosened mass, the horizontal extent.
+const EFFECTS: [&str; 3] = ["crack", "loosened_1_3", "ln_extent"];
 /// Of the effects' intervals.
 const CONFIDENCE: f64 = 0.95;
 
