@@ -67,7 +67,7 @@ pub fn preflight(spec: &SceneSpec, folder: &Path, threads: usize) -> Result<Pref
     let facts = facts(spec, folder)?;
     let building = began.elapsed().as_secs_f64();
     let mut endless = spec.clone();
-    endless.numerics.max_steps = u64::MAX;
+    endless.numerics.max_steps = i64::MAX as u64;
     let pace = pace::pace(stepper(&endless, folder, threads)?.as_mut(), BUDGET);
     // Where its own first steps fail, the scene is rehearsed all the same, for what that tells.
     let step = pace.as_ref().map_or(0.0, |pace| pace.unit());
