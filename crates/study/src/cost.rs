@@ -5,14 +5,13 @@ use std::collections::{BTreeMap, HashMap};
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use snowlab_solver::timestep::step_length;
-use snowlab_solver::{Real, Simulation};
 
-use crate::assemble::{Assembly, assemble, region, time_unit};
+use crate::assemble::{region, time_unit};
 use crate::attempt::host;
+use crate::pace::{Started, pace, start};
 use crate::plan::Status;
 use crate::results::Archive;
-use crate::spec::scene::{EndFrom, PrecisionName, TimeUnit};
+use crate::spec::scene::{EndFrom, TimeUnit};
 use crate::spec::{SceneSpec, SpecError};
 use crate::statistics::median;
 use crate::sweep::Case;
@@ -200,31 +199,13 @@ impl Trials<'_> {
     }
 }
 
-fn try_out(scene: &SceneSpec, archive: &Archive) -> Result<Trial, SpecError> {
-    match (scene.dimension, scene.numerics.precision) {
-        (3, PrecisionName::F32) => try_steps::<f32, 3>(scene, archive),
-        (3, PrecisionName::F64) => try_steps::<f64, 3>(scene, archive),
-        (_, PrecisionName::F32) => try_steps::<f32, 2>(scene, archive),
-        (_, PrecisionName::F64) => try_steps::<f64, 2>(scene, archive),
-    }
-}
-
-fn try_steps<T: Real, const D: usize>(spec: &SceneSpec, archive: &Archive) -> Result<Trial, SpecError> {
-    let Assembly { scene, state, made } = assemble::<T, D>(spec, archive.folder)?;
-    let refused = |error: String| SpecError::value("scene", error);
-    let mut run = Simulation::new(scene, state).map_err(|error| refused(error.to_string()))?;
-    let first = step_length(run.scene(), run.state());
-    let began = Instant::now();
-    while began.elapsed() < TRIAL && made.particles > 0 {
-        run.advance_one(f64::MAX).map_err(|error| refused(error.to_string()))?;
-    }
-    let steps = run.steps().max(1) as f64;
+fn try_out(spec: &SceneSpec, archive: &Archive) -> Result<Trial, SpecError> {
+    let Started { mut run, made, first_step } = start(spec, archive.folder, 1)?;
+    let pace = pace(run.as_mut(), TRIAL).map_err(|error| SpecError::value("scene", error))?;
     let flight = if spec.output.end_from == EndFrom::Contact { WITH_FLIGHT } else { 1.0 };
     let duration = spec.output.end * time_unit(&spec.output, made.crossing_time)? * flight;
-    Ok(Trial {
-        nanoseconds: 1e9 * began.elapsed().as_secs_f64() / (steps * made.particles.max(1) as f64),
-        particle_steps: made.particles as f64 * duration / first,
-    })
+    let particles = made.particles as f64;
+    Ok(Trial { nanoseconds: 1e9 * pace.step / particles, particle_steps: particles * duration / first_step })
 }
 
 /// R of the first body [m]: half its region's largest extent.

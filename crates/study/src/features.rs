@@ -73,15 +73,15 @@ fn timed(case: &Case, folder: &Path) -> Result<(f64, f64), SpecError> {
     Ok((began.elapsed().as_secs_f64(), record.steps as f64))
 }
 
-/// Instructions a particle-step of a scene as `program steps SCENE --count N` takes them, by callgrind; `None` without valgrind.
+/// Instructions a particle-step of a scene as `program steps SCENE --count N --folder FOLDER` takes them, by callgrind; `None` without valgrind.
 pub fn counted_instructions(program: &Path, scene: &SceneSpec, folder: &Path, particles: f64) -> Option<f64> {
-    let file = tempfile::Builder::new().suffix(".toml").tempfile_in(folder).ok()?;
+    let file = tempfile::Builder::new().suffix(".toml").tempfile().ok()?;
     std::fs::write(file.path(), toml::to_string(scene).ok()?).ok()?;
     let count = |steps: u64| -> Option<f64> {
         let mut valgrind = Command::new("valgrind");
         valgrind.args(["--tool=callgrind", "--callgrind-out-file=/dev/null"]).arg(program).arg("steps");
-        let output = valgrind.arg(file.path()).arg("--count").arg(steps.to_string()).output().ok()?;
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        valgrind.arg(file.path()).arg("--count").arg(steps.to_string()).arg("--folder").arg(folder);
+        let told = String::from_utf8_lossy(&valgrind.output().ok()?.stderr).into_owned();
         let line = told.lines().rev().find(|line| line.contains("Collected : "))?;
         line.rsplit(' ').next()?.parse().ok()
     };

@@ -24,6 +24,7 @@ pub mod measure;
 pub mod memory;
 pub mod metrics;
 pub mod outcome_map;
+pub mod pace;
 pub mod plan;
 pub mod points;
 pub mod preflight;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use clap::Args;
 use snowlab_study::features::{cost, counted_instructions, table};
-use snowlab_study::preflight::stepper;
+use snowlab_study::pace::start;
 use snowlab_study::spec::{self, SceneSpec};
 
 use super::Exit;
@@ -52,9 +52,9 @@ pub fn features(arguments: &FeaturesArguments) -> anyhow::Result<Exit> {
 }
 
 /// Takes steps and writes nothing.
-pub fn steps(path: &Path, count: u64) -> anyhow::Result<Exit> {
-    let (scene, _) = spec::read::<SceneSpec>(path)?;
-    let mut run = stepper(&scene, path.parent().unwrap_or(Path::new(".")), 1)?;
-    run.take(count).map_err(|message| anyhow::anyhow!("{}: {message}", path.display()))?;
+pub fn steps(path: &Path, count: u64, folder: &Path) -> anyhow::Result<Exit> {
+    let (scene, text) = spec::read::<SceneSpec>(path)?;
+    let started = start(&scene, folder, 1).map_err(|error| error.in_text(&text).within(path.display()));
+    started?.run.take(count).map_err(|message| anyhow::anyhow!("{}: {message}", path.display()))?;
     Ok(Exit::Done)
 }

@@ -96,6 +96,9 @@ pub enum Command {
         /// How many
         #[arg(long)]
         count: u64,
+        /// Folder that paths in the scene are relative to
+        #[arg(long, default_value = ".")]
+        folder: PathBuf,
     },
     /// Write a page of text whose numbers come from tables
     Page(page::PageArguments),
@@ -150,7 +153,7 @@ impl Command {
             }
             Command::Compare(arguments) => compare::compare(arguments),
             Command::Features(arguments) => features::features(&arguments),
-            Command::Steps { scene, count } => features::steps(&scene, count),
+            Command::Steps { scene, count, folder } => features::steps(&scene, count, &folder),
             Command::Page(arguments) => page::page(&arguments),
             Command::Preflight(arguments) => preflight::look(&arguments),
             Command::Simulate { scene, out, threads } => simulate::simulate(&scene, &out, threads),

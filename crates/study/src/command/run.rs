@@ -107,8 +107,8 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<Exit> {
     done.map(|task| task.status.index).try_for_each(|index| tidy(&archive, index))?;
     tasks.iter().filter_map(|task| done_again(&archive, &task.status)).for_each(|line| eprintln!("{line}"));
     let numbers: Vec<usize> = tasks.iter().map(|task| task.status.index).collect();
-    warn_of_study(&study, &numbers, arguments.study.folder());
     let orders = arguments.orders(&archive, &numbers)?;
+    warn_of_study(&study, &numbers, arguments.study.folder());
     let account = run_cases(&archive, tasks, &orders, &Bar::new(&archive, numbers.len()));
     let interrupted = orders.limits.stop.load(Ordering::Relaxed);
     if interrupted {

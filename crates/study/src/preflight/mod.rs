@@ -11,13 +11,11 @@ mod approach;
 mod facts;
 mod hazards;
 mod needless;
-mod pace;
 mod rehearsal;
 
 pub use facts::{Facts, StepBound};
 pub use hazards::{Advice, hazards};
 pub use needless::Needless;
-pub use pace::{Pace, Stepper, stepper};
 pub use rehearsal::Rehearsal;
 
 use std::path::Path;
@@ -26,6 +24,7 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use crate::assemble::assemble;
+use crate::pace::{Pace, pace, start};
 use crate::spec::{SceneSpec, SpecError};
 
 /// All of it.
@@ -68,10 +67,10 @@ pub fn preflight(spec: &SceneSpec, folder: &Path, threads: usize) -> Result<Pref
     let building = began.elapsed().as_secs_f64();
     let mut endless = spec.clone();
     endless.numerics.max_steps = i64::MAX as u64;
-    let pace = pace::pace(stepper(&endless, folder, threads)?.as_mut(), BUDGET);
+    let pace = pace(start(&endless, folder, threads)?.run.as_mut(), BUDGET);
     // Where its own first steps fail, the scene is rehearsed all the same, for what that tells.
     let step = pace.as_ref().map_or(0.0, |pace| pace.unit());
-    let rehearsals = rehearsal::rehearse(spec, folder, facts.particles, |small| small.seconds(step))?;
+    let rehearsals = rehearsal::rehearse(spec, folder, facts.particles, |small| small.seconds(step));
     let predicted = pace.as_ref().ok().map(|pace| predict(&facts, pace, rehearsals.last(), building));
     let mut hazards = hazards(spec, &facts);
     hazards.extend(rehearsals.last().and_then(stopped_in_the_small));
@@ -103,12 +102,22 @@ fn predict(facts: &Facts, pace: &Pace, finest: Option<&Rehearsal>, building: f64
     Predicted { steps, seconds: building + running, building: building / (building + running) }
 }
 
+/// A rehearsal that was given up says how long the run is at the least, one that stopped what may stop the run.
 fn stopped_in_the_small(small: &Rehearsal) -> Option<Advice> {
-    let finding = format!(
-        "the rehearsal on a grid {} times as coarse stopped: {}",
-        small.coarser,
-        small.stopped.as_ref()?
-    );
+    let (coarser, reason) = (small.coarser, small.stopped.as_ref()?);
+    if small.given_up {
+        let finding = format!(
+            "the run takes more than {:.0e} steps: its rehearsal on a grid {coarser} times as coarse was given up at t = {:.2e} s",
+            small.scaled(small.steps),
+            small.end_time
+        );
+        return Some(Advice::new(
+            "output.end",
+            finding,
+            "end the run earlier, or soften or slow what makes the steps short",
+        ));
+    }
+    let finding = format!("the rehearsal on a grid {coarser} times as coarse stopped: {reason}");
     Some(Advice::new(
         "numerics",
         finding,

@@ -5,12 +5,12 @@ use std::time::Duration;
 
 use serde::Serialize;
 
+use crate::pace::{ratio, start};
 use crate::spec::scene::{EngineName, MaterialSpec, PrecisionName};
 use crate::spec::{SceneSpec, SpecError};
 
 use super::facts::Facts;
 use super::hazards::Advice;
-use super::pace::{ratio, stepper};
 use super::rehearsal::Rehearsal;
 
 /// A feature that may go.
@@ -43,8 +43,8 @@ pub fn needless(
 ) -> Result<Vec<Needless>, SpecError> {
     let found = RULES.iter().filter_map(|rule| rule(spec, facts, rehearsals));
     let measure = |(advice, without): (Advice, SceneSpec)| {
-        let (mut base, mut varied) = (stepper(spec, folder, threads)?, stepper(&without, folder, threads)?);
-        let saves = ratio(base.as_mut(), varied.as_mut(), budget).ok().map(|ratio| 1.0 - ratio);
+        let (mut base, mut varied) = (start(spec, folder, threads)?, start(&without, folder, threads)?);
+        let saves = ratio(base.run.as_mut(), varied.run.as_mut(), budget).ok().map(|ratio| 1.0 - ratio);
         Ok(Needless { advice, saves })
     };
     found.map(measure).collect()

@@ -7,12 +7,11 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use snowlab_solver::{Real, Simulation};
 
+use crate::pace::STEP_IN_APPLICATIONS;
 use crate::record::RunRecord;
 use crate::run::{Observer, run_scene};
 use crate::spec::scene::{CountSpec, LatticeSpec, PlacementSpec, VoidSpec};
 use crate::spec::{SceneSpec, SpecError};
-
-use super::pace::STEP_IN_APPLICATIONS;
 
 /// Particles of the coarsest rehearsal, at the least (chosen: a disc of so many has four cells across its radius at four to a cell, and still
 /// breaks).
@@ -50,6 +49,8 @@ pub struct Rehearsal {
     pub outcome: String,
     /// Why, where it stopped.
     pub stopped: Option<String>,
+    /// Whether that was for the number of its steps.
+    pub given_up: bool,
     /// Lost to plastic flow [J].
     pub plastic_loss: f64,
     /// Numbers of the obstacles that nothing touched.
@@ -63,31 +64,30 @@ pub struct Rehearsal {
 }
 
 /// Runs the scene on coarser grids, the coarsest first, each twice as fine as the one before while that is affordable; none for particles of a
-/// file. `seconds` predicts the time of the run [s] from a rehearsal.
-///
-/// # Errors
-/// A scene that cannot be built.
+/// file, nor on grids on which the scene cannot be built, such as one that has no row of nodes at a mirror. `seconds` predicts the time of the
+/// run [s] from a rehearsal.
 pub fn rehearse(
     spec: &SceneSpec,
     folder: &Path,
     particles: usize,
     seconds: impl Fn(&Rehearsal) -> f64,
-) -> Result<Vec<Rehearsal>, SpecError> {
+) -> Vec<Rehearsal> {
     let share = |coarser: usize| (coarser as f64).powi(-(spec.dimension as i32));
     let coarsest =
         (1..).map(|k| 1 << k).take_while(|&coarser| particles as f64 * share(coarser) >= FEWEST).last();
     let (mut coarser, mut rehearsals) = (coarsest.unwrap_or(2), Vec::new());
     while let Some(scene) = coarsened(spec, coarser).filter(|_| coarser > 1) {
-        let small = run(&scene, folder, coarser)?;
+        let small = run(&scene, folder, coarser).ok();
+        coarser /= 2;
+        let Some(small) = small else { continue };
         let whole = seconds(&small);
         rehearsals.push(small);
-        coarser /= 2;
         let next = whole * share(coarser) / coarser as f64;
         if next > (AFFORDABLE.0 * whole).max(AFFORDABLE.1) {
             break;
         }
     }
-    Ok(rehearsals)
+    rehearsals
 }
 
 fn run(spec: &SceneSpec, folder: &Path, coarser: usize) -> Result<Rehearsal, SpecError> {
@@ -110,6 +110,7 @@ fn run(spec: &SceneSpec, folder: &Path, coarser: usize) -> Result<Rehearsal, Spe
         slowing: pace.slowing(),
         outcome: record.outcome.in_words(),
         stopped: record.outcome.message().map(str::to_string),
+        given_up: record.steps >= MOST_STEPS,
         plastic_loss: last.map_or(0.0, |row| row.plastic_loss),
         untouched: last.map_or(Vec::new(), |row| untouched(&row.impulses)),
         watchdog_restores: record.watchdog_restores,
@@ -225,6 +226,7 @@ mod tests {
             slowing: 1.0,
             outcome: "ok".into(),
             stopped: None,
+            given_up: false,
             plastic_loss: 0.0,
             untouched: Vec::new(),
             watchdog_restores: 0,

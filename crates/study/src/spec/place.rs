@@ -25,14 +25,15 @@ pub fn line_in_study(text: &str, spec: &StudySpec, profile: &str, place: &str) -
         let index = spec.arm.iter().position(|arm| arm.id == id).unwrap_or(arm);
         [format!("profile.{profile}.arm_set.{id}"), format!("arm.{index}.set")]
     };
-    let swept = spec.sweep.iter().enumerate().filter_map(|(index, axis)| {
+    let axes = || spec.sweep.iter().enumerate().filter(|(_, axis)| axis.takes(id));
+    let swept = axes().filter_map(|(index, axis)| {
         let path = axis.path.as_ref()?;
         let sets =
             key.strip_prefix(path.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
         sets.then(|| find(&document, &format!("sweep.{index}.values")))?
     });
-    let points = spec.sweep.iter().enumerate().filter(|(_, axis)| axis.path.is_none());
-    let points = points
+    let points = axes()
+        .filter(|(_, axis)| axis.path.is_none())
         .flat_map(|(index, axis)| (0..axis.values.len()).map(move |k| format!("sweep.{index}.values.{k}")));
     let set = points
         .chain(own(id))

@@ -4,9 +4,10 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
+use snowlab_solver::timestep::step_length;
 use snowlab_solver::{Real, Simulation};
 
-use crate::assemble::{Assembly, assemble};
+use crate::assemble::{Assembly, Made, assemble};
 use crate::spec::scene::PrecisionName;
 use crate::spec::{SceneSpec, SpecError};
 use crate::statistics::median;
@@ -37,11 +38,21 @@ impl<T: Real, const D: usize> Stepper for Simulation<T, D> {
     }
 }
 
-/// The scene at its start, on so many threads.
+/// A scene at its start.
+pub struct Started {
+    /// The run.
+    pub run: Box<dyn Stepper>,
+    /// What was built.
+    pub made: Made,
+    /// Length of its first step [s].
+    pub first_step: f64,
+}
+
+/// The scene at its start, on so many threads. Its files are relative to `folder`.
 ///
 /// # Errors
 /// A scene that cannot be built.
-pub fn stepper(spec: &SceneSpec, folder: &Path, threads: usize) -> Result<Box<dyn Stepper>, SpecError> {
+pub fn start(spec: &SceneSpec, folder: &Path, threads: usize) -> Result<Started, SpecError> {
     match (spec.dimension, spec.numerics.precision) {
         (3, PrecisionName::F32) => build::<f32, 3>(spec, folder, threads),
         (3, PrecisionName::F64) => build::<f64, 3>(spec, folder, threads),
@@ -54,10 +65,12 @@ fn build<T: Real, const D: usize>(
     spec: &SceneSpec,
     folder: &Path,
     threads: usize,
-) -> Result<Box<dyn Stepper>, SpecError> {
-    let Assembly { scene, state, .. } = assemble::<T, D>(spec, folder)?;
-    let simulation = Simulation::with_threads(scene, state, threads);
-    Ok(Box::new(simulation.map_err(|error| SpecError::value("scene", error.to_string()))?))
+) -> Result<Started, SpecError> {
+    let Assembly { scene, state, made } = assemble::<T, D>(spec, folder)?;
+    let first_step = step_length(&scene, &state);
+    let run = Simulation::with_threads(scene, state, threads)
+        .map_err(|error| SpecError::value("scene", error.to_string()))?;
+    Ok(Started { run: Box::new(run), made, first_step })
 }
 
 /// The pace of a scene at its start.
