@@ -181,6 +181,16 @@ fn steps_are_predicted_within_a_third() {
     }
 }
 
+/// A mirror lies on a row of nodes of the scene's grid, and not on one of every coarser grid.
+#[test]
+fn a_scene_that_has_no_coarser_grid_is_looked_at_all_the_same() {
+    let mirrored = SOUND.replace("[output]", "[[collider]]\ncontact = \"mirror\"\nshape = { kind = \"half-space\", point = [-0.38, 0.0], normal = [1.0, 0.0] }\n[output]");
+    let found = preflight(&scene(&mirrored), Path::new("."), 1).unwrap();
+    assert!(found.rehearsals.is_empty(), "{:?}", found.rehearsals);
+    let first = found.facts.duration / found.facts.first_step;
+    assert_eq!(found.predicted.unwrap().steps, first, "as if all steps were as long as the first");
+}
+
 #[test]
 fn what_a_scene_does_not_need_is_named() {
     let needless = |text: &str| -> Vec<String> {

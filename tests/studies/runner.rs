@@ -6,6 +6,7 @@ pub mod desk;
 mod broken_results;
 mod compare;
 mod exit_codes;
+mod features;
 mod harness;
 mod makefile;
 mod maps;

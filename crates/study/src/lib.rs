@@ -16,6 +16,7 @@ pub mod evaluate;
 pub mod features;
 pub mod figure;
 pub mod fragments_command;
+pub mod frame_csv;
 pub mod frames;
 pub mod garbage;
 pub mod keeper;

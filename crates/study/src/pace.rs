@@ -8,6 +8,7 @@ use snowlab_solver::timestep::step_length;
 use snowlab_solver::{Real, Simulation};
 
 use crate::assemble::{Assembly, Made, assemble};
+use crate::frame_csv::frame_csv;
 use crate::spec::scene::PrecisionName;
 use crate::spec::{SceneSpec, SpecError};
 use crate::statistics::median;
@@ -26,6 +27,9 @@ pub trait Stepper {
     /// # Errors
     /// Why the run stopped.
     fn take(&mut self, steps: u64) -> Result<(f64, u64), String>;
+
+    /// The particles as they are, as they are written.
+    fn frame(&self) -> String;
 }
 
 impl<T: Real, const D: usize> Stepper for Simulation<T, D> {
@@ -35,6 +39,10 @@ impl<T: Real, const D: usize> Stepper for Simulation<T, D> {
             self.advance_one(f64::MAX).map_err(|error| error.to_string())?;
         }
         Ok((self.time() - time, self.ledger().iterations - applied))
+    }
+
+    fn frame(&self) -> String {
+        frame_csv(self.state())
     }
 }
 

@@ -193,3 +193,31 @@ fn a_stopped_run_has_a_row_for_every_frame() {
     assert!(desk.path("frames/frame-00001.csv").is_file() && !desk.path("frames/frame-00002.csv").exists());
     assert!(history.iter().all(|row| !row["force_0_y"].is_empty()), "no force is 0/0");
 }
+
+/// The limits at which a run stops that would not end, or whose numbers would be none.
+#[test]
+fn a_run_that_cannot_go_on_says_why_and_what_helps() {
+    let packed = "[numerics]\nspacing = 0.02\n[[body]]\n\
+        region = { kind = \"ball\", centre = [0.0, 0.13], radius = 0.1 }\n\
+        placement = { kind = \"jittered\", count = 300 }\nvelocity = [0.0, -300.0]\n\
+        material = { kind = \"snow\", hardening = 100.0 }\n\
+        [[collider]]\nshape = { kind = \"half-space\", point = [0.0, 0.0], normal = [0.0, 1.0] }\n\
+        [output]\nframe_interval = 500.0\nend = 1000.0\n";
+    let heavy = "gravity = [0.0, -1e6]\n[numerics]\nspacing = 0.02\nprecision = \"f32\"\nwatchdog = false\n[[body]]\n\
+        region = { kind = \"ball\", centre = [0.0, 0.13], radius = 0.1 }\n\
+        placement = { kind = \"jittered\", count = 300 }\n\
+        material = { kind = \"elastic\", density = 1e36, young = 1e37 }\n\
+        [output]\nframe_interval = 0.001\nend = 0.05\n";
+    let watched = heavy.replace("watchdog = false\n", "");
+    let rows: [(&str, &str, &[&str]); 3] = [
+        (packed, "steps-too-short", &["steps of", "are left, more than 1e11", "set `hardening_limit`"]),
+        (heavy, "overflow", &["energies outgrow the precision", "`numerics.precision` = \"f64\""]),
+        (&watched, "energy-rise", &["to more than the precision holds", "`numerics.wave_courant`"]),
+    ];
+    for (scene, reason, words) in rows {
+        let desk = Desk::with(&[("scene.toml", scene)]);
+        let told = desk.expect(3, "simulate scene.toml --out frames");
+        assert!(told.contains(&format!("stopped({reason})")), "{told}");
+        assert!(words.iter().all(|word| told.contains(word)), "{reason}: {told}");
+    }
+}

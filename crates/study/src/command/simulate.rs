@@ -1,11 +1,11 @@
 //! One scene, its frames as CSV in full precision.
 
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
-use snowlab_solver::{Real, Simulation, State};
+use snowlab_solver::{Real, Simulation};
+use snowlab_study::frame_csv::frame_csv;
 use snowlab_study::memory;
 use snowlab_study::record::{HistoryRow, Outcome, RunRecord};
 use snowlab_study::run::{Observer, run_scene};
@@ -121,37 +121,6 @@ fn clear(out: &Path) -> Result<(), StoreError> {
 fn is_own(name: &str) -> bool {
     let number = name.strip_prefix("frame-").and_then(|rest| rest.strip_suffix(".csv"));
     name == "history.csv" || number.is_some_and(|n| n.len() >= 5 && n.bytes().all(|b| b.is_ascii_digit()))
-}
-
-/// Particles in the order of their ids; digits that read back to the same numbers.
-fn frame_csv<T: Real, const D: usize>(state: &State<T, D>) -> String {
-    let axes = &["x", "y", "z"][..D];
-    let mut text = String::from("id");
-    axes.iter().for_each(|axis| text.push_str(&format!(",{axis}")));
-    axes.iter().for_each(|axis| text.push_str(&format!(",v{axis}")));
-    text.push_str(",mass,volume,jp");
-    for i in axes {
-        for j in axes {
-            text.push_str(&format!(",f{i}{j}"));
-        }
-    }
-    text.push('\n');
-    for p in state.by_id() {
-        let (motion, constants) = (&state.motion, &state.constants);
-        text.push_str(&constants.id[p].to_string());
-        let position = state.world_position(p);
-        let scalars = [constants.mass[p], constants.volume[p], motion.plastic_ratio[p]].map(Real::as_f64);
-        let deformation = motion.deformation[p].transpose();
-        let numbers = position
-            .iter()
-            .copied()
-            .chain(motion.velocity[p].iter().map(|v| v.as_f64()))
-            .chain(scalars)
-            .chain(deformation.iter().map(|f| f.as_f64()));
-        numbers.for_each(|number| write!(text, ",{number:?}").expect("a string takes all"));
-        text.push('\n');
-    }
-    text
 }
 
 /// `history`: energies, losses, and impulse and mean force on each obstacle, one row a frame.

@@ -24,7 +24,8 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use crate::assemble::assemble;
-use crate::pace::{Pace, pace, start};
+use crate::memory::frames;
+use crate::pace::{Pace, Stepper, pace, start};
 use crate::spec::{SceneSpec, SpecError};
 
 /// All of it.
@@ -47,10 +48,10 @@ pub struct Preflight {
 pub struct Predicted {
     /// Steps.
     pub steps: f64,
-    /// Wall time [s], building included, on so many threads as were asked for.
+    /// Wall time [s] on so many threads as were asked for: building, steps and frames.
     pub seconds: f64,
-    /// Share of it that building the scene takes.
-    pub building: f64,
+    /// Share of it that building the scene and writing frames take.
+    pub around: f64,
 }
 
 /// How long is spent on the pace of the scene, and on each feature (chosen: a second of both in a scene with two features; more only where fifty
@@ -67,11 +68,14 @@ pub fn preflight(spec: &SceneSpec, folder: &Path, threads: usize) -> Result<Pref
     let building = began.elapsed().as_secs_f64();
     let mut endless = spec.clone();
     endless.numerics.max_steps = i64::MAX as u64;
-    let pace = pace(start(&endless, folder, threads)?.run.as_mut(), BUDGET);
+    let mut run = start(&endless, folder, threads)?.run;
+    let around = building + writing(spec, run.as_ref(), threads);
+    let pace = pace(run.as_mut(), BUDGET);
+    drop(run);
     // Where its own first steps fail, the scene is rehearsed all the same, for what that tells.
     let step = pace.as_ref().map_or(0.0, |pace| pace.unit());
     let rehearsals = rehearsal::rehearse(spec, folder, facts.particles, |small| small.seconds(step));
-    let predicted = pace.as_ref().ok().map(|pace| predict(&facts, pace, rehearsals.last(), building));
+    let predicted = pace.as_ref().ok().map(|pace| predict(&facts, pace, rehearsals.last(), around));
     let mut hazards = hazards(spec, &facts);
     hazards.extend(rehearsals.last().and_then(stopped_in_the_small));
     hazards.extend(pace.err().map(|message| Advice::new("numerics", message, "see what else is said here")));
@@ -94,12 +98,24 @@ pub fn facts(spec: &SceneSpec, folder: &Path) -> Result<Facts, SpecError> {
     }
 }
 
-/// By the finest rehearsal, or as if all steps were as long as the first one.
-fn predict(facts: &Facts, pace: &Pace, finest: Option<&Rehearsal>, building: f64) -> Predicted {
+/// What writing the frames adds to the run [s]: a thread of its own writes them, which costs nothing where a core is left for it, and else its share
+/// of the cores that the steps have.
+fn writing(spec: &SceneSpec, run: &dyn Stepper, threads: usize) -> f64 {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    if threads < cores {
+        return 0.0;
+    }
+    let began = Instant::now();
+    std::hint::black_box(run.frame());
+    frames(spec) * began.elapsed().as_secs_f64() / cores as f64
+}
+
+/// By the finest rehearsal, or as if all steps were as long as the first one; `around` is what building and writing take [s].
+fn predict(facts: &Facts, pace: &Pace, finest: Option<&Rehearsal>, around: f64) -> Predicted {
     let first = facts.duration / facts.first_step;
     let steps = finest.map_or(first, |small| small.scaled(small.steps));
     let running = finest.map_or(first * pace.step, |small| small.seconds(pace.unit()));
-    Predicted { steps, seconds: building + running, building: building / (building + running) }
+    Predicted { steps, seconds: around + running, around: around / (around + running) }
 }
 
 /// A rehearsal that was given up says how long the run is at the least, one that stopped what may stop the run.

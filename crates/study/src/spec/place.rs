@@ -96,7 +96,8 @@ fn step_into_table(table: &DeTable, path: &str, found: &mut Option<Found>) {
 
 #[cfg(test)]
 mod tests {
-    use super::line_of_key;
+    use super::{line_in_study, line_of_key};
+    use crate::spec::StudySpec;
 
     const TEXT: &str = r#"
 name = "x"
@@ -129,5 +130,40 @@ blocks = 3
         assert_eq!(line("`body.1.region.radius`"), Some(7));
         assert_eq!(line("`output.end`"), None);
         assert_eq!(line("scene"), None);
+    }
+
+    /// An axis sets a key for the arms that take it, and for no other.
+    #[test]
+    fn a_key_of_an_arm_is_where_the_arm_gets_it() {
+        let text = r#"
+name = "x"
+question = "?"
+[blocks]
+first = 1
+count = 1
+[measure]
+largest_spacing = 0.05
+[scene.numerics]
+spacing = 0.05
+[[scene.body]]
+region = { kind = "ball", centre = [0.0, 0.3], radius = 0.25 }
+placement = { kind = "random", count = 300 }
+[scene.output]
+frame_interval = 0.5
+end = 1.0
+[[arm]]
+id = "swept"
+[[arm]]
+id = "usual"
+[[sweep]]
+name = "h"
+path = "numerics.spacing"
+values = [0.05, 0.06]
+arms = ["swept"]
+"#;
+        let study: StudySpec = toml::from_str(text).unwrap();
+        let line = |place: &str| line_in_study(text, &study, "", place);
+        assert_eq!(line("arm `swept`: `numerics.spacing`"), Some(24));
+        assert_eq!(line("arm `usual`: `numerics.spacing`"), Some(10));
     }
 }

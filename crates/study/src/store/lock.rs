@@ -63,6 +63,16 @@ impl Lock {
     }
 }
 
+impl Drop for Lock {
+    /// Closing is not enough: a program that is being started has a copy of all open files for a moment, and the copy would hold the lock.
+    fn drop(&mut self) {
+        if let Some(file) = &self.file {
+            // Where this fails, closing is what is left.
+            drop(file.unlock());
+        }
+    }
+}
+
 fn has_no_locks(error: &io::Error) -> bool {
     // chosen: ENOLCK of Linux, which has no kind of its own.
     const NO_LOCKS: i32 = 37;
@@ -81,7 +91,8 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder for the test");
         for hold in [Hold::Shared, Hold::Alone] {
             let lock = Lock::take(&folder.path().join("lock"), hold).expect("the folder can be written");
-            let mut file = lock.and_then(|lock| lock.file).expect("free");
+            let lock = lock.expect("free");
+            let mut file = lock.file.as_ref().expect("the system has locks");
             file.write_all(b"x").and_then(|()| file.rewind()).expect("it can be written");
             assert_eq!(file.read(&mut [0; 2]).expect("it can be read"), 1);
         }
