@@ -2,6 +2,7 @@
 
 mod errors;
 mod gaussian_field;
+mod heterogeneity;
 mod lattices;
 mod placements;
 mod poisson_disk;

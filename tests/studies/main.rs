@@ -3,6 +3,7 @@
 mod claims;
 mod clamps;
 mod figures;
+mod heterogeneity;
 mod input_page;
 mod measure;
 mod memory;

@@ -5,6 +5,7 @@ pub mod desk;
 
 mod broken_results;
 mod compare;
+mod design;
 mod exit_codes;
 mod features;
 mod harness;
@@ -13,6 +14,7 @@ mod maps;
 mod repairing;
 mod reports;
 mod resuming;
+mod sampled;
 mod scenes;
 mod tables;
 mod verdicts;

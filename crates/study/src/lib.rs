@@ -32,6 +32,7 @@ pub mod preflight;
 pub mod present;
 pub mod record;
 pub mod report;
+pub mod response;
 pub mod results;
 pub mod run;
 pub mod schedule;

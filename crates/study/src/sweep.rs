@@ -1,5 +1,6 @@
 //! From a study to its cases: pure values, listed before anything runs.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -85,25 +86,30 @@ impl Study {
     /// [`SpecError::Value`], naming arm and key.
     pub fn expand(spec: StudySpec, profile: Option<&str>) -> Result<Self, SpecError> {
         spec.validate()?;
+        let spec = spec.with_conditions();
         let name = profile.unwrap_or(DEFAULT_PROFILE);
         let chosen = profile_of(&spec, profile)?;
         check_count(&spec, &chosen)?;
         let mut cases = Vec::new();
         for arm in spec.arm.iter().filter(|arm| runs(&chosen, arm)) {
-            let points: Vec<Vec<AxisPoint>> = axes_of(&spec, arm).map(points_of).collect();
+            let points: Vec<Vec<AxisPoint>> = axes_of(&spec, arm).map(|axis| points_of(axis, arm)).collect();
             for axes in &combinations(&points) {
-                let number = |name: &str| axes.iter().find(|axis| axis.name == name).map(|axis| axis.number);
+                let number = |name: &str| {
+                    let mut numbers = axes.iter().flat_map(|axis| &axis.numbers);
+                    numbers.find(|(column, _)| *column == name).map(|(_, number)| *number)
+                };
                 let scene = scene_of(&spec, &chosen, arm, axes)?;
-                if let Some(check) = &arm.check {
-                    let checked = arm_of(&spec, &check.of).map(|arm| scene_of(&spec, &chosen, arm, axes));
-                    checked.map_or(Ok(()), |checked| differs_by(arm, check.by, &scene, &checked?))?;
+                if let (Some(by), Some(checked)) =
+                    (arm.under.as_ref().and_then(|under| under.check), rerun(&spec, arm))
+                {
+                    differs_by(arm, by, &scene, &scene_of(&spec, &chosen, checked, axes)?)?;
                 }
                 let blocks = blocks_of(&spec, &chosen, arm);
                 for block in blocks.first..blocks.first + blocks.count {
                     cases.push(Case {
                         arm: arm.id.clone(),
                         block,
-                        axes: spec.sweep.iter().map(|axis| (axis.name.clone(), number(&axis.name))).collect(),
+                        axes: columns(&spec).map(|name| (name.to_string(), number(name))).collect(),
                         scene: SceneSpec { seed: block, ..scene.clone() },
                     });
                 }
@@ -142,14 +148,17 @@ fn profile_of(spec: &StudySpec, profile: Option<&str>) -> Result<ProfileSpec, Sp
 fn check_count(spec: &StudySpec, profile: &ProfileSpec) -> Result<(), SpecError> {
     let base = values_of(spec.scene.values()) + values_of(profile.set.values());
     // Of each axis one value is set at a time.
-    let swept =
-        |arm| axes_of(spec, arm).flat_map(|axis| axis.values.iter().map(value_count).max()).sum::<u64>();
+    let swept = |arm| {
+        axes_of(spec, arm)
+            .map(|axis| axis.values.iter().map(value_count).max().unwrap_or(0) + factors(axis))
+            .sum::<u64>()
+    };
     let (mut most_points, mut blocks, mut cases, mut values) = (0_u64, 0_u64, 0_u64, 0_u64);
     for arm in spec.arm.iter().filter(|arm| runs(profile, arm)) {
-        let points = axes_of(spec, arm).fold(1_u64, |n, axis| n.saturating_mul(axis.values.len() as u64));
+        let points = axes_of(spec, arm).fold(1_u64, |n, axis| n.saturating_mul(axis.points() as u64));
         let count = blocks_of(spec, profile, arm).count;
         let own_cases = points.saturating_mul(count);
-        let checked = checked_by(spec, arm).map_or(0, |arm| values_of(own(profile, arm).map(|(_, v)| v)));
+        let checked = rerun(spec, arm).map_or(0, |arm| values_of(own(profile, arm).map(|(_, v)| v)));
         let own = values_of(own(profile, arm).map(|(_, value)| value));
         most_points = most_points.max(points);
         blocks = blocks.saturating_add(count);
@@ -189,9 +198,9 @@ fn arm_of<'a>(spec: &'a StudySpec, id: &str) -> Option<&'a ArmSpec> {
     spec.arm.iter().find(|arm| arm.id == id)
 }
 
-/// The arm that is run again, where the arm is a check.
-fn checked_by<'a>(spec: &'a StudySpec, arm: &ArmSpec) -> Option<&'a ArmSpec> {
-    arm.check.as_ref().and_then(|check| arm_of(spec, &check.of))
+/// The arm that is run again, where the arm is one under a condition.
+fn rerun<'a>(spec: &'a StudySpec, arm: &ArmSpec) -> Option<&'a ArmSpec> {
+    arm.under.as_ref().and_then(|under| arm_of(spec, &under.arm))
 }
 
 /// A check is the arm it checks but for what it changes: the lengths of steps, or the transfer.
@@ -216,35 +225,78 @@ fn differs_by(arm: &ArmSpec, by: Rerun, scene: &SceneSpec, checked: &SceneSpec) 
     }
     let what = if scene == checked { "nothing is changed" } else { "more is changed" };
     let message = format!("{what}; allowed in a check of this kind: {allowed}, one or more");
-    Err(SpecError::value(format!("arm `{}`, `check`", arm.id), message))
+    Err(SpecError::value(format!("arm `{}`, `check` of its condition", arm.id), message))
 }
 
 fn runs(profile: &ProfileSpec, arm: &ArmSpec) -> bool {
-    profile.arms.as_ref().is_none_or(|arms| arms.contains(&arm.id))
+    let named = |id: &String| profile.arms.as_ref().is_none_or(|arms| arms.contains(id));
+    match &arm.under {
+        None => named(&arm.id),
+        Some(under) => {
+            let all = profile.arms.is_none();
+            let chosen = profile.conditions.as_ref().map_or(all, |ids| ids.contains(&under.condition));
+            chosen && named(&under.arm)
+        }
+    }
 }
 
 fn blocks_of(spec: &StudySpec, profile: &ProfileSpec, arm: &ArmSpec) -> BlockSpec {
-    profile.blocks.unwrap_or(BlockSpec { count: arm.blocks.unwrap_or(spec.blocks.count), ..spec.blocks })
+    let count = match (&profile.blocks, arm.blocks) {
+        (Some(blocks), Some(own)) => own.min(blocks.count),
+        (Some(blocks), None) => blocks.count,
+        (None, own) => own.unwrap_or(spec.blocks.count),
+    };
+    BlockSpec { count, ..profile.blocks.unwrap_or(spec.blocks) }
 }
 
 /// The axes that an arm is run along.
 fn axes_of<'a>(spec: &'a StudySpec, arm: &'a ArmSpec) -> impl Iterator<Item = &'a SweepSpec> {
-    spec.sweep.iter().filter(|axis| axis.takes(&arm.id))
+    let id = arm.under.as_ref().map_or(&arm.id, |under| &under.arm);
+    spec.sweep.iter().filter(move |axis| axis.takes(id))
+}
+
+/// The columns that the axes have in the tables.
+fn columns(spec: &StudySpec) -> impl Iterator<Item = &str> {
+    spec.sweep.iter().flat_map(SweepSpec::columns)
+}
+
+/// Values that a sampled axis sets at a time.
+fn factors(axis: &SweepSpec) -> u64 {
+    axis.sample
+        .iter()
+        .flat_map(|sample| &sample.factor)
+        .map(|factor| 1 + factor.along.iter().flatten().count() as u64)
+        .sum()
 }
 
 /// One point of one axis.
 struct AxisPoint<'a> {
-    name: &'a str,
+    /// Columns of the tables.
+    numbers: Vec<(&'a str, f64)>,
     /// Values by path.
-    settings: Vec<(&'a str, &'a Value)>,
-    number: f64,
+    settings: Vec<(&'a str, Cow<'a, Value>)>,
 }
 
-fn points_of(axis: &SweepSpec) -> Vec<AxisPoint<'_>> {
+fn points_of<'a>(axis: &'a SweepSpec, arm: &'a ArmSpec) -> Vec<AxisPoint<'a>> {
+    if let Some(sample) = &axis.sample {
+        let id = arm.under.as_ref().map_or(&arm.id, |under| &under.arm);
+        let point = |point| {
+            let factors = || sample.factors_of(id).map(move |(k, factor)| (factor, sample.number(point, k)));
+            AxisPoint {
+                numbers: factors().map(|(factor, number)| (factor.name.as_str(), number)).collect(),
+                settings: factors()
+                    .map(|(factor, number)| (factor.path.as_str(), Cow::Owned(factor.value(number))))
+                    .collect(),
+            }
+        };
+        return (0..sample.points).map(point).collect();
+    }
     let point = |(index, value)| AxisPoint {
-        name: &axis.name,
-        settings: settings_of(axis, value),
-        number: axis.number(index),
+        numbers: vec![(axis.name.as_str(), axis.number(index))],
+        settings: settings_of(axis, value)
+            .into_iter()
+            .map(|(path, value)| (path, Cow::Borrowed(value)))
+            .collect(),
     };
     axis.values.iter().enumerate().map(point).collect()
 }
@@ -279,14 +331,14 @@ fn scene_of(
 ) -> Result<SceneSpec, SpecError> {
     let mut scene = Value::Table(spec.scene.clone());
     let place = format!("arm `{}`", arm.id);
-    let checked = checked_by(spec, arm);
+    let checked = rerun(spec, arm);
     let settings = profile
         .set
         .iter()
         .chain(checked.into_iter().flat_map(|arm| own(profile, arm)))
         .chain(own(profile, arm));
     let settings = settings.map(|(path, value)| (path.as_str(), value));
-    let swept = axes.iter().flat_map(|axis| axis.settings.iter().copied());
+    let swept = axes.iter().flat_map(|axis| &axis.settings).map(|(path, value)| (*path, value.as_ref()));
     for (path, value) in settings.chain(swept) {
         override_path::set(&mut scene, path, value.clone())
             .map_err(|message| SpecError::value(format!("{place}, path `{path}`"), message))?;

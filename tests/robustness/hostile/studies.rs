@@ -42,10 +42,18 @@ id = "b"
 blocks = 2
 set = { "body.0.placement.count" = 20 }
 trade = { reference = "a", family = "f" }
-[[arm]]
+[[condition]]
 id = "c"
-check = { of = "a", by = "other-transfer" }
+label = "C"
+check = "other-transfer"
+arms = ["a"]
 set = { "numerics.transfer" = "apic" }
+arm_set = { a = { "numerics.transfer" = "mls" } }
+blocks = 2
+[[density_noise]]
+noisy = "a"
+lattice = "b"
+random = "a"
 [[claim]]
 id = "k"
 sentence = "s"
@@ -66,8 +74,22 @@ name = "h"
 values = [{ "numerics.spacing" = 0.05, "numerics.kernel" = "cubic" }]
 labels = ["coarse"]
 numbers = [1.0]
+[[sweep]]
+name = "s"
+arms = ["a"]
+[sweep.sample]
+points = 1
+seed = 1
+[[sweep.sample.factor]]
+name = "v"
+path = "body.0.velocity"
+range = [1.0, 2.0]
+scale = "logarithmic"
+along = [0.0, -1.0]
+arms = ["a"]
 [profile.quick]
 arms = ["a", "b"]
+conditions = ["c"]
 blocks = { first = 1, count = 1 }
 set = { "numerics.precision" = "f32" }
 arm_set = { a = { "body.0.stiffness_scale" = 2.0 } }
@@ -111,7 +133,14 @@ fn hold_accepted(spec: &StudySpec, text: &str) {
 fn names(spec: &StudySpec) -> impl Iterator<Item = &str> {
     let arms = spec.arm.iter().flat_map(|arm| [Some(&arm.id), arm.picture.as_ref()]).flatten();
     let axes = spec.sweep.iter().map(|axis| &axis.name);
-    [&spec.name].into_iter().chain(arms).chain(axes).chain(spec.profile.keys()).map(String::as_str)
+    let conditions = spec.condition.iter().map(|condition| &condition.id);
+    [&spec.name]
+        .into_iter()
+        .chain(arms)
+        .chain(conditions)
+        .chain(axes)
+        .chain(spec.profile.keys())
+        .map(String::as_str)
 }
 
 /// Whether a name is that of an entry of the folder it is joined to, on any system, and no hidden one.

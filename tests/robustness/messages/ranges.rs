@@ -22,6 +22,7 @@ velocity = [0.0, 1.0]
 spin = [1.0]
 phase_shift = 0.1
 stiffness_scale = 1.0
+heterogeneity = { kind = "correlated", of = "stiffness", spread = 0.5, correlation_length = 0.1 }
 [[collider]]
 shape = { kind = "half-space", point = [0.0, 0.0], normal = [0.0, 1.0] }
 friction = 0.5
@@ -35,6 +36,7 @@ region = { kind = "ellipsoid", centre = [0.0, 0.3], semi_axes = [0.1, 0.2], angl
 placement = { kind = "lattice", count = 50, angle = 10.0 }
 voids = { kind = "gaussian-field", porosity = 0.1, correlation_length = 0.1, judged_at = 0.1 }
 material = { kind = "elastic", density = 400.0, young = 1e5, poisson = 0.2 }
+heterogeneity = { kind = "shell", of = "stiffness", factor = 2.0, thickness = 0.1 }
 [[collider]]
 shape = { kind = "ball", centre = [0.0, 0.0], radius = 0.1 }
 "#,

@@ -146,6 +146,11 @@ const TABLE: &[Refused] = &[
         &["`body.1.voids`", "`file`", "remove it"],
     ),
     refused(
+        "count = 50 }",
+        "count = 50 }\n[[body]]\nplacement = { kind = \"file\", path = \"a.csv\" }\nheterogeneity = { kind = \"independent\", of = \"mass\", spread = 0.5 }",
+        &["`body.1.heterogeneity`", "`file`", "remove it"],
+    ),
+    refused(
         "spacing = 0.05",
         "spacing = 0.05\nadvection = \"blended\"\nintegrator = { kind = \"trapezoidal\" }",
         &["`numerics.advection`", "`blended`", "`trapezoidal`", "`interpolated`"],

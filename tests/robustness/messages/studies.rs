@@ -68,46 +68,113 @@ const TABLE: &[Refused] = &[
         "[[arm]]\nid = \"two\"\n[[feature]]\nname = \"f\"\non = \"one\"\noff = \"one\"\n",
         &["`feature.0.off`", "is \"one\"", "name one that does without"],
     ),
-    // Checks, which may not go in circles.
+    // Conditions under which arms are run again.
     refused(
-        "[[arm]]\nid = \"one\"\n[[arm]]\nid = \"two\"\n",
-        "[[arm]]\nid = \"one\"\ncheck = { of = \"two\", by = \"half-step\" }\n[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"half-step\" }\n",
-        &["`arm.0.check`", "is of \"two\"", "a check itself", "name the arm that is checked"],
+        END,
+        "[[condition]]\nid = \"c\"\narms = []\n",
+        &["`condition.0.arms`", "is empty", "name the arms"],
     ),
     refused(
         END,
-        "[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"half-step\" }\n[[arm]]\nid = \"three\"\ncheck = { of = \"one\", by = \"half-step\" }\n",
-        &["`arm.2.check`", "is of \"one\"", "checks already", "remove one"],
+        "[[arm]]\nid = \"two\"\n[[condition]]\nid = \"c\"\narms = [\"three\"]\n",
+        &["`condition.0.arms`", "\"three\"", ARMS],
     ),
     refused(
         END,
-        "[[arm]]\nid = \"two\"\ncheck = { of = \"three\", by = \"half-step\" }\n",
-        &["line 22, `arm.1.check`", "\"three\"", ARMS],
+        "[[condition]]\nid = \"c\"\narms = [\"one\", \"one\"]\n",
+        &["`condition.0.arms`", "\"one\" twice", "each once"],
     ),
     refused(
         END,
-        "[[arm]]\nid = \"two\"\ncheck = { of = \"two\", by = \"half-step\" }\n",
-        &["`arm.1.check`", "\"two\"", "a check itself"],
+        "[[condition]]\nid = \"c\"\narms = [\"one\"]\n[[condition]]\nid = \"c\"\narms = [\"one\"]\n",
+        &["`condition.1.id`", "stands twice"],
+    ),
+    refused(END, "[[condition]]\nid = \"a@b\"\narms = [\"one\"]\n", &["`condition.0.id`", "a@b"]),
+    refused(
+        END,
+        "[[condition]]\nid = \"c\"\narms = [\"one\"]\narm_set = { two = { \"numerics.spacing\" = 0.1 } }\n",
+        &["`condition.0.arm_set`", "\"two\"", "the condition has: one"],
     ),
     refused(
         END,
-        "[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"half-step\" }\n",
-        &["line 20, arm `two`, `check`", "nothing is changed", "`wave_courant`"],
+        "[[condition]]\nid = \"c\"\narms = [\"one\"]\nset = { seed = 3 }\n",
+        &["`condition.0.set`", "`seed`", "`blocks.first`"],
     ),
     refused(
         END,
-        "[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"other-transfer\" }\nset = { \"numerics.transfer\" = \"apic\", \"numerics.spacing\" = 0.1 }\n",
-        &["arm `two`, `check`", "more is changed", "`numerics.transfer`"],
+        "[[condition]]\nid = \"c\"\narms = [\"one\"]\nset = { \"numerics.spacing\" = -1.0 }\n",
+        &["line 23, arm `one@c`", "`numerics.spacing`", "above 0"],
     ),
     refused(
         END,
-        "[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"quarter-step\" }\n",
-        &["`arm.1.check.by`", "`quarter-step`", "`half-step`"],
+        "[[condition]]\nid = \"c\"\narms = [\"one\"]\n[profile.p]\nconditions = [\"d\"]\n",
+        &["`profile.p.conditions`", "\"d\"", "the study has: c"],
     ),
     refused(
         END,
-        "[[arm]]\nid = \"two\"\ncheck = { of = \"one\", by = \"half-step\" }\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { range = { arms = [\"one\", \"two\"] } }\n",
-        &["`claim.0.contrast`", "\"two\"", "only checks another"],
+        "[[condition]]\nid = \"c\"\narms = [\"one\"]\ncheck = \"half-step\"\n[[condition]]\nid = \"d\"\narms = [\"one\"]\ncheck = \"half-step\"\n",
+        &["`condition.1.check`", "\"c\" checks", "remove one"],
+    ),
+    refused(
+        END,
+        "[[condition]]\nid = \"c\"\narms = [\"one\"]\ncheck = \"half-step\"\n",
+        &["arm `one@c`, `check`", "nothing is changed", "`wave_courant`"],
+    ),
+    refused(
+        END,
+        "[[condition]]\nid = \"c\"\narms = [\"one\"]\ncheck = \"other-transfer\"\nset = { \"numerics.transfer\" = \"apic\", \"numerics.spacing\" = 0.1 }\n",
+        &["arm `one@c`, `check`", "more is changed", "`numerics.transfer`"],
+    ),
+    refused(
+        END,
+        "[[condition]]\nid = \"c\"\narms = [\"one\"]\ncheck = \"quarter-step\"\n",
+        &["`condition.0.check`", "`quarter-step`", "`half-step`"],
+    ),
+    refused(
+        END,
+        "[[density_noise]]\nnoisy = \"one\"\nlattice = \"two\"\nrandom = \"one\"\n",
+        &["`density_noise.0`", "\"two\""],
+    ),
+    // Points that fill a box.
+    refused(
+        END,
+        "[[sweep]]\nname = \"s\"\n[sweep.sample]\npoints = 0\n[[sweep.sample.factor]]\nname = \"v\"\npath = \"body.0.stiffness_scale\"\nrange = [1.0, 2.0]\n",
+        &["`sweep.0.sample.points`", "is 0", "1 to 65536"],
+    ),
+    refused(
+        END,
+        "[[sweep]]\nname = \"s\"\n[sweep.sample]\npoints = 4\n[[sweep.sample.factor]]\nname = \"v\"\npath = \"body.0.stiffness_scale\"\nrange = [2.0, 1.0]\n",
+        &["`sweep.0.sample.factor.0.range`", "[2.0, 1.0]", "least first"],
+    ),
+    refused(
+        END,
+        "[[sweep]]\nname = \"s\"\n[sweep.sample]\npoints = 4\n[[sweep.sample.factor]]\nname = \"v\"\npath = \"body.0.stiffness_scale\"\nrange = [0.0, 1.0]\nscale = \"logarithmic\"\n",
+        &["`sweep.0.sample.factor.0.range`", "above 0 where the scale is"],
+    ),
+    refused(
+        END,
+        "[[sweep]]\nname = \"s\"\n[sweep.sample]\npoints = 4\n[[sweep.sample.factor]]\nname = \"steps\"\npath = \"body.0.stiffness_scale\"\nrange = [1.0, 2.0]\n",
+        &["`sweep.0.sample.factor.0.name`", "a column of the tables has already"],
+    ),
+    refused(
+        END,
+        "[[sweep]]\nname = \"s\"\nvalues = [1.0]\n[sweep.sample]\npoints = 4\n[[sweep.sample.factor]]\nname = \"v\"\npath = \"body.0.stiffness_scale\"\nrange = [1.0, 2.0]\n",
+        &["`sweep.0.values`", "`sample`", "remove one"],
+    ),
+    refused(
+        END,
+        "[[sweep]]\nname = \"s\"\n[sweep.sample]\npoints = 4\n[[sweep.sample.factor]]\nname = \"v\"\npath = \"seed\"\nrange = [1.0, 2.0]\n",
+        &["`sweep.0.sample.factor.0.path`", "`blocks.first`"],
+    ),
+    refused(
+        END,
+        "[[sweep]]\nname = \"s\"\n[sweep.sample]\npoints = 4\n[[sweep.sample.factor]]\nname = \"v\"\npath = \"body.0.stiffness_scale\"\nrange = [1.0, 2.0]\narms = [\"two\"]\n",
+        &["`sweep.0.sample.factor.0.arms`", "\"two\""],
+    ),
+    refused(
+        END,
+        "[[sweep]]\nname = \"s\"\n[sweep.sample]\npoints = 4\nfactor = []\n",
+        &["`sweep.0.sample.factor`", "has 0 entries", "1 to 20"],
     ),
     // The scene, as each arm has it.
     refused(
@@ -235,11 +302,13 @@ fn a_crowd_that_names_one_another_is_read_soon() {
     let names = vec!["\"three\""; 500_000].join(", ");
     let message = study(&format!("noise_floor = [{names}]\n{STUDY}")).unwrap_err().to_string();
     hold_message(&message, "a long list of arms", &["line 1, `noise_floor`", "\"three\"", ARMS]);
-    let arms: Vec<String> = (0..20_000)
-        .map(|k| format!("[[arm]]\nid = \"a-{k}\"\ncheck = {{ of = \"one\", by = \"half-step\" }}\n"))
-        .collect();
+    let arms: Vec<String> = (0..20_000).map(|k| format!("[[arm]]\nid = \"a-{k}\"\n")).collect();
     let message = study(&format!("{STUDY}{}", arms.concat())).unwrap_err().to_string();
     hold_message(&message, "many arms", &["`arm`", "20002 entries"]);
+    let conditions: Vec<String> =
+        (0..20_000).map(|k| format!("[[condition]]\nid = \"c-{k}\"\narms = [\"one\"]\n")).collect();
+    let message = study(&format!("{STUDY}{}", conditions.concat())).unwrap_err().to_string();
+    hold_message(&message, "many conditions", &["`condition`", "20000 arms", "make two studies"]);
 }
 
 /// A thousand million cases, by three axes of a thousand values: refused before any is made.

@@ -92,7 +92,7 @@ fn scope_conditions_read_same_opposite_or_undetermined() {
 
 #[test]
 fn density_noise_is_judged_by_the_ratio() {
-    let arms = DensityNoise { weight: "w".into(), lattice: "l".into(), random: "r".into() };
+    let arms = DensityNoise { noisy: "w".into(), lattice: "l".into(), random: "r".into() };
     let judged = |q: f64, noise: f64, blocks: usize| {
         let rows = around(1.0, noise, blocks)
             .iter()

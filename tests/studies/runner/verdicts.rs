@@ -44,36 +44,108 @@ fn a_study_without_a_pilot_says_so() {
     assert!(printed.contains("noise floor: the study names no arm that nothing can break"), "{printed}");
 }
 
-/// Half the step and the other transfer are arms of the study, which count for the claims whose arms they run again.
+/// Half the step and the other transfer are conditions, which count for the claims whose arms they run again.
 #[test]
-fn check_arms_are_the_checks_of_their_claims() {
-    let rerun = |of: &str, by: &str, set: &str| {
-        let check = format!("check = {{ of = \"{of}\", by = \"{by}\" }}");
-        format!("[[arm]]\nid = \"{of}-{by}\"\n{check}\nset = {{ {set} }}\n")
+fn checks_are_made_of_the_arms_under_them() {
+    let rerun = |id: &str, arms: &str, by: &str, set: &str| {
+        format!("[[condition]]\nid = \"{id}\"\narms = [{arms}]\ncheck = \"{by}\"\nset = {{ {set} }}\n")
     };
     let half = "\"numerics.wave_courant\" = 0.1, \"numerics.advective_courant\" = 0.1";
-    let apic = "\"numerics.transfer\" = \"apic\"";
     let reruns = [
-        rerun("random", "half-step", half),
-        rerun("elastic", "half-step", half),
-        rerun("random", "other-transfer", apic),
+        rerun("half", "\"random\", \"elastic\"", "half-step", half),
+        rerun("apic", "\"random\"", "other-transfer", "\"numerics.transfer\" = \"apic\""),
     ];
     let text = study(&[ARMS, &reruns.concat(), OTHER_CLAIM].concat());
     let desk = Desk::with(&[("study.toml", &text)]);
     desk.expect(0, "run study.toml --jobs 2");
     desk.expect(0, "report study.toml");
-    // The elastic arm's check is elastic too: its own `set` stands behind that of the arm it checks.
+    // The elastic arm is elastic under the condition too, whose `set` stands behind its own.
     let cases = rows(&desk.read("results/tiny/cases.csv"));
     let case = |arm: &str| cases.iter().find(|case| case["arm"] == arm).unwrap();
-    assert_eq!(case("elastic-half-step")["plastic_loss"], "0.0");
+    assert_eq!(case("elastic@half")["plastic_loss"], "0.0");
     let steps = |arm: &str| case(arm)["steps"].parse::<f64>().unwrap();
-    assert!(steps("elastic-half-step") > 1.5 * steps("elastic"), "its steps are shorter");
+    assert!(steps("elastic@half") > 1.5 * steps("elastic"), "its steps are shorter");
     let claims = rows(&desk.read("results/tiny/claims.csv"));
     let checks = |id: &str| claims.iter().find(|row| row["claim"] == id).unwrap()["checks"].clone();
     let made = checks("elastic-holds");
     assert!(made.contains("dt/2") && made.contains("(n = 2)"), "{made}");
     assert!(!made.contains("other transfer"), "one arm's alone says nothing: {made}");
     assert!(!checks("irregular-breaks-more").contains("dt/2"), "the lattice has not been run again");
+}
+
+/// A claim is read under the conditions that have all its arms; each effect is that of the arms' values there.
+#[test]
+fn claims_are_read_under_other_conditions() {
+    let condition = "[[condition]]\nid = \"slow\"\nlabel = \"5 m/s\"\narms = [\"random\", \"elastic\"]\nblocks = 8\n\
+        set = { \"body.0.velocity\" = [0.0, -5.0] }\narm_set = { elastic = { \"body.0.material.young\" = 1e5 } }\n";
+    let profile = "[profile.part]\narms = [\"random\", \"elastic\"]\n[profile.both]\narms = [\"random\", \"elastic\"]\nconditions = [\"slow\"]\n";
+    let text = study(&[ARMS, condition, OTHER_CLAIM, profile].concat()).replace("count = 2\n", "count = 8\n");
+    let desk = Desk::with(&[("study.toml", &text.replace("end = 1.0", "end = 0.5"))]);
+    assert!(
+        desk.expect(0, "plan study.toml --profile part").contains("16 cases"),
+        "no condition is run with arms named"
+    );
+    desk.expect(0, "run study.toml --profile both --jobs 2");
+    let printed = desk.expect(0, "report study.toml --profile both");
+    assert!(printed.contains("elastic-holds"), "{printed}");
+    let cases = rows(&desk.read("results/tiny/both/cases.csv"));
+    assert_eq!(cases.len(), 32);
+    let robustness = rows(&desk.read("results/tiny/both/robustness.csv"));
+    assert!(
+        robustness.iter().all(|row| row["claim"] == "elastic-holds"),
+        "the other claim's arms are not all there"
+    );
+    let row = |name: &str| {
+        robustness.iter().find(|row| row["variation"] == name).unwrap_or_else(|| panic!("{name}"))
+    };
+    // As many particles in all: the endpoint is that of the cases.
+    let effect = |treated: &str, control: &str| {
+        let values = |arm: &str| -> Vec<f64> {
+            cases
+                .iter()
+                .filter(|case| case["arm"] == arm)
+                .map(|case| case["ln_neff"].parse().unwrap())
+                .collect()
+        };
+        let (treated, control) = (values(treated), values(control));
+        treated.iter().zip(&control).map(|(a, b)| a - b).sum::<f64>() / treated.len() as f64
+    };
+    let number =
+        |row: &std::collections::BTreeMap<String, String>, column: &str| row[column].parse::<f64>().unwrap();
+    let (primary, slow) = (row("as claimed"), row("5 m/s"));
+    assert_eq!([&primary["kind"], &slow["kind"], &slow["blocks"]], ["primary", "condition", "8"]);
+    assert!((number(primary, "effect") - effect("random", "elastic")).abs() < 1e-9);
+    assert!((number(slow, "effect") - effect("random@slow", "elastic@slow")).abs() < 1e-9);
+    assert!(
+        number(slow, "lower") <= number(slow, "effect") && number(slow, "effect") <= number(slow, "upper")
+    );
+    for name in
+        ["link 3h", "link 4h", "without dust", "flood fill", "bond graph", "earlier time", "no thinning"]
+    {
+        assert_eq!(row(name)["kind"], "measurement", "{name}");
+    }
+    let plan = rows(&desk.read("results/tiny/both/replicates.csv"));
+    assert_eq!(plan[0]["pilot_blocks"], "8");
+    let page = desk.read("results/tiny/both/report.html");
+    assert!(["What the findings hang on", "5 m", "Power"].iter().all(|words| page.contains(words)));
+}
+
+/// A path of `density-noise` is told with its ratio, and judged by the same rules as a claim.
+#[test]
+fn noise_on_a_lattice_is_held_against_random_placement() {
+    let noise = "[[arm]]\nid = \"noisy\"\n[arm.set]\n\"body.0.placement\" = { kind = \"lattice\", count = 300 }\n\
+        \"body.0.heterogeneity\" = { kind = \"independent\", of = \"weight\", spread = 1.0 }\n\
+        [[density_noise]]\nnoisy = \"noisy\"\nlattice = \"lattice\"\nrandom = \"random\"\n";
+    let desk = Desk::with(&[("study.toml", &study(&[ARMS, noise].concat()))]);
+    desk.expect(0, "run study.toml --jobs 2");
+    let printed = desk.expect(0, "report study.toml");
+    assert!(printed.contains("density-noise, noisy: not-run (n < 12); n = "), "{printed}");
+    let table = rows(&desk.read("results/tiny/density_noise.csv"));
+    assert_eq!(
+        [&table[0]["noisy"], &table[0]["lattice"], &table[0]["random"]],
+        ["noisy", "lattice", "random"]
+    );
+    assert!(desk.read("results/tiny/report.html").contains("Density noise"));
 }
 
 /// Two ids: intervals of 1 - 0.05/2, though the profile runs the arms of one claim only.

@@ -7,9 +7,9 @@ use snowlab_solver::{InitialParticle, Matrix, Vector};
 
 use crate::points::{self, PointsError};
 use crate::spec::SpecError;
-use crate::spec::scene::{BodySpec, CountOf, PlacementSpec, RestVolumeName, SceneSpec};
+use crate::spec::scene::{BodySpec, CountOf, PlacementSpec, Property, RestVolumeName, SceneSpec};
 
-use super::region::{region, sampler, void_field};
+use super::region::{heterogeneity, region, sampler, void_field};
 use super::vector::vector_or_zero;
 
 /// One body as particles.
@@ -45,7 +45,7 @@ pub(super) fn build_body<const D: usize>(
     for particle in &mut built.particles {
         particle.velocity += base + spin * (particle.position - centre);
         particle.position += phase;
-        particle.stiffness_scale = body.stiffness_scale;
+        particle.stiffness_scale *= body.stiffness_scale;
         particle.material = number as u16;
     }
     Ok(built)
@@ -82,8 +82,13 @@ fn from_sampler<const D: usize>(
     let placement = place(&region, &sampler, voids.as_ref(), count, streams).map_err(refused)?;
     let solid_volume = region.volume(region.volume_raster()).map_err(refused)?;
     let volume = placement.filled_volume / placement.positions.len() as f64;
+    let mut particles: Vec<_> = placement.positions.iter().map(|&x| at_rest(x, volume, body)).collect();
+    if let Some(spec) = &body.heterogeneity {
+        let factors = heterogeneity(spec).factors(&region, &placement.positions, streams).map_err(refused)?;
+        particles.iter_mut().zip(factors).for_each(|(particle, factor)| scale(particle, spec.of(), factor));
+    }
     Ok(BuiltBody {
-        particles: placement.positions.iter().map(|&x| at_rest(x, volume, body)).collect(),
+        particles,
         solid_mass: body.material.density() * solid_volume,
         filled_volume: placement.filled_volume,
         void_volume: solid_volume - placement.filled_volume,
@@ -161,6 +166,17 @@ fn set<V, const D: usize>(
         .iter_mut()
         .zip(values.into_iter().flatten())
         .for_each(|(particle, value)| give(particle, value));
+}
+
+fn scale<const D: usize>(particle: &mut InitialParticle<D>, property: Property, factor: f64) {
+    match property {
+        Property::Weight => {
+            particle.mass *= factor;
+            particle.volume *= factor;
+        }
+        Property::Mass => particle.mass *= factor,
+        Property::Stiffness => particle.stiffness_scale *= factor,
+    }
 }
 
 fn at_rest<const D: usize>(position: Vector<f64, D>, volume: f64, body: &BodySpec) -> InitialParticle<D> {

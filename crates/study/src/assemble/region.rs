@@ -1,12 +1,13 @@
 //! Regions, samplers and void fields in the sampler's terms.
 
 use snowlab_sampler::{
-    GaussianField, InclusionField, InclusionShape, Orientation, Region, Sampler, VoidField,
+    GaussianField, Heterogeneity, InclusionField, InclusionShape, Orientation, Region, Sampler, VoidField,
 };
 
 use crate::spec::SpecError;
 use crate::spec::scene::{
-    BallSpec, BoxSpec, CountOf, CountSpec, InclusionSpec, LatticeSpec, PlacementSpec, RegionSpec, VoidSpec,
+    BallSpec, BoxSpec, CountOf, CountSpec, HeterogeneitySpec, InclusionSpec, LatticeSpec, PlacementSpec,
+    RegionSpec, VoidSpec,
 };
 
 use super::vector::vector;
@@ -56,6 +57,17 @@ pub(super) fn sampler(placement: &PlacementSpec) -> (Sampler, usize, CountOf) {
         }
         PlacementSpec::PoissonDisk(CountSpec { count, count_of }) => (Sampler::PoissonDisk, count, count_of),
         PlacementSpec::File { .. } => (Sampler::Random, 0, CountOf::Body),
+    }
+}
+
+/// How the particles of a body differ.
+pub(super) fn heterogeneity(spec: &HeterogeneitySpec) -> Heterogeneity {
+    match *spec {
+        HeterogeneitySpec::Independent { spread, .. } => Heterogeneity::Independent { spread },
+        HeterogeneitySpec::Correlated { spread, correlation_length, .. } => {
+            Heterogeneity::Correlated { spread, correlation_length }
+        }
+        HeterogeneitySpec::Shell { factor, thickness, .. } => Heterogeneity::Shell { factor, thickness },
     }
 }
 

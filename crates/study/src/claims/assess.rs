@@ -11,7 +11,7 @@ use super::limits::CHECK_BLOCKS;
 use super::observations::{ArmValue, Check, Observations};
 use super::rules::{Case, judge};
 use super::verdict::Verdict;
-use crate::statistics::{Interval, holm_adjusted, mean};
+use crate::statistics::{Interval, ReplicatePlan, holm_adjusted, mean, replicate_plan};
 
 /// A claim judged: the verdict, the numbers it rests on, and the reason in words. `Display` is one line of a
 /// report.
@@ -29,6 +29,8 @@ pub struct Assessment {
     pub incomplete_blocks: usize,
     /// The effect as measured otherwise, where a block has every arm.
     pub checks: Vec<CheckReading>,
+    /// How many blocks a study to come needs to see such an effect, with these blocks as its pilot; `None` for a range.
+    pub replicates: Option<ReplicatePlan>,
     /// The reason, with its numbers.
     pub explanation: String,
 }
@@ -66,6 +68,8 @@ pub fn assess(
     let readings = readings(claim, &blocks.values(), &checks);
     let checks = checks.into_iter().filter(|(_, values)| values.len() >= CHECK_BLOCKS).collect();
     let conditions = observations.conditions;
+    let replicates =
+        claim.contrast.weights().and_then(|weights| replicate_plan(&differences(&weights, &blocks.values())));
     let case = Case { claim, conditions, blocks, evidence, checks, family_size, resampling };
     let verdict = judge(&case);
     Ok(Assessment {
@@ -75,6 +79,7 @@ pub fn assess(
         lost_blocks: case.blocks.lost.len(),
         incomplete_blocks: case.blocks.incomplete,
         checks: readings,
+        replicates,
         evidence: case.evidence,
     })
 }

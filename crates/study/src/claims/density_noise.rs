@@ -1,5 +1,4 @@
-//! The control `density-noise`: does noise on a lattice reproduce what random placement does? No study of the project
-//! has its arms yet.
+//! The control `density-noise`: does noise on a lattice reproduce what random placement does?
 
 use std::fmt;
 
@@ -17,16 +16,23 @@ use crate::statistics::{FiellerSet, ratio_of_means};
 /// The ratios q that count as "noise on a lattice does what random placement does" (the study's plan).
 const REPRODUCED: std::ops::RangeInclusive<f64> = 0.5..=1.5;
 
-/// Arms of the control `density-noise`.
+/// Arms of one path of the control `density-noise`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DensityNoise {
-    /// Lattice with noisy particle weights.
-    pub weight: String,
+    /// Lattice with noise on its particles.
+    pub noisy: String,
     /// The plain lattice.
     pub lattice: String,
     /// Random placement.
     pub random: String,
+}
+
+impl DensityNoise {
+    /// Its arms.
+    pub fn names(&self) -> [&str; 3] {
+        [&self.noisy, &self.lattice, &self.random]
+    }
 }
 
 /// What the control says.
@@ -60,7 +66,7 @@ pub struct DensityNoiseAssessment {
     pub verdict: DensityNoiseVerdict,
     /// Complete blocks.
     pub blocks: usize,
-    /// q = (A_weight - A_lattice)/(A_random - A_lattice), of the means; `None` if undefined.
+    /// q = (A_noisy - A_lattice)/(A_random - A_lattice), of the means; `None` if undefined.
     pub ratio: Option<f64>,
     /// Fieller's 95 % set of q.
     pub set: Option<FiellerSet>,
@@ -75,12 +81,12 @@ pub fn density_noise(
     arms: &DensityNoise,
     observations: &Observations,
 ) -> Result<DensityNoiseAssessment, ClaimError> {
-    let names = [arms.weight.as_str(), arms.lattice.as_str(), arms.random.as_str()];
+    let names = arms.names();
     let blocks = Blocks::of("density-noise", &names, &observations.rows)?;
     let values = blocks.values();
-    let by_weight = differences(&[1.0, -1.0, 0.0], &values);
+    let by_noise = differences(&[1.0, -1.0, 0.0], &values);
     let by_random = differences(&[0.0, -1.0, 1.0], &values);
-    let q = ratio_of_means(&by_weight, &by_random, 1.0 - ERROR_RATE);
+    let q = ratio_of_means(&by_noise, &by_random, 1.0 - ERROR_RATE);
     let fit = enough_blocks(&blocks).and_then(|()| fit_to_judge(&names, &blocks, observations.conditions));
     let verdict = match fit {
         Err(verdict) => DensityNoiseVerdict::NotJudged(verdict),

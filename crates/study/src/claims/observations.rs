@@ -171,6 +171,13 @@ impl Check {
     ];
 }
 
+impl Check {
+    /// Whether it takes runs of its own.
+    pub fn is_rerun(self) -> bool {
+        matches!(self, Self::HalfStep | Self::OtherTransfer)
+    }
+}
+
 impl From<Rerun> for Check {
     fn from(by: Rerun) -> Self {
         match by {

@@ -125,7 +125,7 @@ fn effect_against_delta(contrast: &Contrast, evidence: &Evidence) -> Result<Find
 
 /// Rules 3 and 4 for one interval I and bound U: `Supported` if I lies above 0 and the mean is at least delta,
 /// `Refuted` if U < delta.
-fn difference_finding(
+pub(super) fn difference_finding(
     effect: Option<f64>,
     interval: Option<Interval>,
     upper: Option<f64>,

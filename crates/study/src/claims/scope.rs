@@ -1,4 +1,4 @@
-//! Rule 7: the same contrast under other conditions, or in 3D. For studies that run such conditions in blocks of their own.
+//! Rule 7: the same contrast under other conditions, in 3D, or measured otherwise.
 
 use std::fmt;
 
@@ -10,7 +10,9 @@ use super::claim::{Claim, ClaimError};
 use super::evidence::differences;
 use super::limits::{CHECK_BLOCKS, ERROR_RATE};
 use super::observations::ArmValue;
-use crate::statistics::{Interval, mean, t_interval};
+use super::rules::difference_finding;
+use super::verdict::Finding;
+use crate::statistics::{Interval, mean, t_interval, t_upper_bound};
 
 /// Which way the effect points under other conditions (rule 7) or in 3D, against the primary runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -44,6 +46,8 @@ pub struct ScopeReading {
     pub effect: Option<f64>,
     /// Its 95 % t interval.
     pub interval: Option<Interval>,
+    /// What rules 3 and 4 would say of it by itself, at 95 %; `None` where they leave it open or there are fewer than 8 complete blocks.
+    pub finding: Option<Finding>,
 }
 
 /// Rule 7: the effect of `claim` in the rows of a scope condition, read against the `primary` rows. For a range
@@ -76,5 +80,8 @@ pub fn direction(
     } else {
         Direction::Undetermined
     };
-    Ok(ScopeReading { direction, blocks: found.len(), effect: mean(&found), interval })
+    let effect = mean(&found);
+    let finding = difference_finding(effect, interval, t_upper_bound(&found, 1.0 - ERROR_RATE))
+        .filter(|_| found.len() >= CHECK_BLOCKS);
+    Ok(ScopeReading { direction, blocks: found.len(), effect, interval, finding })
 }

@@ -3,9 +3,10 @@
 use clap::Args;
 use serde::Serialize;
 use snowlab_study::check as expectations;
-use snowlab_study::evaluate::assess_claims;
+use snowlab_study::evaluate::{Judgement, judge};
 use snowlab_study::manifest::{Program, StudyManifest, revision};
 use snowlab_study::present::{Findings, Provenance, present};
+use snowlab_study::response::{self, Data, Metric, Surface, sampled_arms};
 use snowlab_study::results::{Archive, CaseResult};
 use snowlab_study::table::{Table, dictionary};
 use snowlab_study::{outcome_map, tables, trade};
@@ -83,22 +84,56 @@ pub fn report(arguments: &StudyArguments) -> anyhow::Result<Exit> {
     let _lock = use_study(&archive)?;
     let results = some_results(&archive)?;
     let missing = study.cases.len() - results.len();
-    let (judged, gates) = assess_claims(&archive, &results)?;
-    write_tables(&archive, &results, &text, &[tables::claims(&judged)])?;
+    let Judgement { judged, noise, gates } = judge(&archive, &results)?;
+    let mut verdicts = vec![tables::claims(&judged)];
+    if !judged.is_empty() {
+        verdicts.extend([tables::robustness(&judged), tables::replicates(&judged)]);
+    }
+    if !noise.is_empty() {
+        verdicts.push(tables::density_noise(&noise));
+    }
+    verdicts.extend(responses(&archive, &results)?);
+    write_tables(&archive, &results, &text, &verdicts)?;
     for judged in &judged {
         println!("{}", judged.assessment);
         println!("  measured by {}; calibration by stretch {}", judged.primary, judged.calibration);
+    }
+    for judged in &noise {
+        let (arm, assessment) = (&judged.arms.noisy, &judged.assessment);
+        let ratio = assessment.ratio.map_or("-".into(), |ratio| format!("{ratio:.2}"));
+        println!("density-noise, {arm}: {}; n = {}, q = {ratio}", assessment.verdict, assessment.blocks);
     }
     gates.words.iter().for_each(|line| println!("{line}"));
     if missing > 0 {
         eprintln!("{missing} cases have not been run; run `snowlab run` to complete the study");
     }
     let provenance = Provenance { study_text: text, revision: revision(arguments.folder()) };
-    let findings = Findings { archive: &archive, results: &results, judged: &judged, gates: &gates };
+    let findings =
+        Findings { archive: &archive, results: &results, judged: &judged, noise: &noise, gates: &gates };
     for name in present(findings, &provenance)? {
         println!("{}", archive.store.root().join(name).display());
     }
     Ok(Exit::Done)
+}
+
+/// How the arms of a sampled axis respond, and how well that is predicted; nothing where there is none.
+fn responses(archive: &Archive, results: &[CaseResult]) -> anyhow::Result<Vec<Table>> {
+    let spec = &archive.study.spec;
+    let arms = sampled_arms(spec);
+    if arms.is_empty() {
+        return Ok(Vec::new());
+    }
+    // What is learnt is what stands in the table.
+    tables::cases(results).write(archive.store.root())?;
+    let mut surfaces = Vec::new();
+    for (arm, metric) in arms.iter().flat_map(|arm| Metric::ALL.map(|metric| (arm, metric))) {
+        let fitted = Data::read(spec, arm, metric, archive.store.root()).map_err(|error| error.to_string());
+        match fitted.and_then(Surface::fit) {
+            Ok(surface) => surfaces.push(surface),
+            Err(message) => eprintln!("{arm}: no response surface of {}: {message}", metric.words()),
+        }
+    }
+    Ok(vec![response::models(&surfaces), response::effects(&surfaces)])
 }
 
 /// A finding as it is told by `--json`.

@@ -2,6 +2,7 @@
 
 mod collect;
 mod compare;
+mod design;
 mod features;
 mod fragments;
 mod gc;
@@ -100,6 +101,8 @@ pub enum Command {
         #[arg(long, default_value = ".")]
         folder: PathBuf,
     },
+    /// Propose a placement for a wanted fragmentation
+    Design(design::DesignArguments),
     /// Write a page of text whose numbers come from tables
     Page(page::PageArguments),
     /// Carry out experiments with known answers: what the solver has been shown to do
@@ -154,6 +157,7 @@ impl Command {
             Command::Compare(arguments) => compare::compare(arguments),
             Command::Features(arguments) => features::features(&arguments),
             Command::Steps { scene, count, folder } => features::steps(&scene, count, &folder),
+            Command::Design(arguments) => design::design(&arguments),
             Command::Page(arguments) => page::page(&arguments),
             Command::Preflight(arguments) => preflight::look(&arguments),
             Command::Simulate { scene, out, threads } => simulate::simulate(&scene, &out, threads),

@@ -5,16 +5,17 @@ mod gates;
 mod remeasure;
 mod start;
 mod stretched;
+mod variations;
 
 use std::collections::BTreeMap;
 
 use crate::claims::{
-    ArmValue, Assessment, Calibration, CaseStatus, Check, Claim, Conditions, Observations, Primary,
-    Resampling, assess_family,
+    ArmValue, Assessment, CaseStatus, Check, Claim, Conditions, DensityNoise, DensityNoiseAssessment,
+    Observations, Primary, Resampling, assess_family, density_noise,
 };
 use crate::metrics::Thinning;
 use crate::record::Outcome;
-use crate::results::{Archive, CaseError, CaseResult};
+use crate::results::{Archive, CaseResult};
 use crate::spec::scene::PlacementSpec;
 use crate::tables::usable;
 
@@ -23,7 +24,8 @@ pub use stretched::{Stretched, stretched_arms};
 
 use calibration::Calibrator;
 use gates::gates;
-use remeasure::remeasure;
+use remeasure::{Remeasured, Yardstick, remeasure};
+pub use variations::{Kind, Variation};
 
 /// Seed of resampling: fixed, so that tables are the same bytes (chosen: PS17's year).
 const RESAMPLING_SEED: u64 = 2017;
@@ -41,6 +43,30 @@ pub struct Judged {
     pub calibration: String,
     /// What the rule says of it.
     pub assessment: Assessment,
+    /// The same contrast measured otherwise, run otherwise, and under other conditions.
+    pub variations: Vec<Variation>,
+}
+
+/// A path of the control `density-noise` with what it says.
+#[derive(Clone, Debug)]
+pub struct JudgedNoise {
+    /// Its arms.
+    pub arms: DensityNoise,
+    /// What the endpoint was measured by.
+    pub primary: Primary,
+    /// What the rule says of it.
+    pub assessment: DensityNoiseAssessment,
+}
+
+/// All that is judged of a study.
+#[derive(Clone, Debug)]
+pub struct Judgement {
+    /// Claims and controls.
+    pub judged: Vec<Judged>,
+    /// The paths of `density-noise`.
+    pub noise: Vec<JudgedNoise>,
+    /// What decides whether anything can be judged.
+    pub gates: Gates,
 }
 
 /// Judges the claims and the controls of a study, each a family of its own. A claim with an arm that the profile leaves out
@@ -48,83 +74,144 @@ pub struct Judged {
 ///
 /// # Errors
 /// Frames that cannot be read.
-pub fn assess_claims(archive: &Archive, results: &[CaseResult]) -> anyhow::Result<(Vec<Judged>, Gates)> {
+pub fn judge(archive: &Archive, results: &[CaseResult]) -> anyhow::Result<Judgement> {
     let spec = &archive.study.spec;
     let gates = gates(archive, results);
     let mut calibrator = Calibrator::new(archive);
+    let run = archive.study.arms();
     let mut judged = Vec::new();
     for (family, claims) in [("claim", &spec.claim), ("control", &spec.control)] {
-        let (mut members, mut words) = (Vec::new(), Vec::new());
+        let mut members = Vec::new();
         for claim in claims {
-            let (calibration, found) = calibrator.calibrate(&blocks_of(results, claim))?;
-            words.push((calibration.primary(), found));
-            members.push((claim.clone(), observations(archive, results, claim, &gates, calibration)?));
+            let arms = claim.arms();
+            members.push(Member::observe(archive, results, &arms, &gates, &mut calibrator)?);
         }
-        let assessments = assess_family(&members, Resampling::standard(RESAMPLING_SEED))?;
-        let all = members.into_iter().zip(words).zip(assessments);
-        judged.extend(all.map(|(((claim, _), (primary, calibration)), assessment)| Judged {
-            family,
-            claim,
-            primary,
-            calibration,
-            assessment,
-        }));
-    }
-    let run = archive.study.arms();
-    judged.retain(|judged| judged.claim.arms().iter().all(|arm| run.contains(arm)));
-    Ok((judged, gates))
-}
-
-fn observations(
-    archive: &Archive,
-    results: &[CaseResult],
-    claim: &Claim,
-    gates: &Gates,
-    calibration: Calibration,
-) -> Result<Observations, CaseError> {
-    let mut rows = Vec::new();
-    let mut checks: BTreeMap<Check, Vec<ArmValue>> = BTreeMap::new();
-    let blocks = blocks_of(results, claim);
-    for block in blocks.values() {
-        let count = equal_count(block);
-        for result in block {
-            let measured = remeasure(archive, result, count, calibration.primary())?;
-            rows.push(arm_value(
-                result,
-                measured.as_ref().map(|m| m.primary),
-                measured.as_ref().is_none_or(|m| m.whole),
-            ));
-            for (check, value) in measured.iter().flat_map(|m| m.checks) {
-                checks.entry(check).or_default().push(arm_value(result, Some(value), true));
+        let observed: Vec<_> =
+            claims.iter().cloned().zip(members.iter().map(|member| member.observations.clone())).collect();
+        let assessments = assess_family(&observed, Resampling::standard(RESAMPLING_SEED))?;
+        for ((claim, member), assessment) in claims.iter().zip(members).zip(assessments) {
+            if claim.arms().iter().all(|arm| run.contains(arm)) {
+                judged.push(Judged {
+                    family,
+                    claim: claim.clone(),
+                    primary: member.yardstick.primary,
+                    variations: variations::variations(archive, results, claim, &member)?,
+                    calibration: member.calibration,
+                    assessment,
+                });
             }
         }
     }
-    // Arms that run one of the claim's arms again speak for it in the check.
-    for result in results {
-        let Some(check) = archive.study.spec.check_of(&result.case.arm) else { continue };
-        let Some(block) = blocks.get(&result.case.block) else { continue };
-        if claim.arms().contains(&check.of.as_str()) {
-            let measured = remeasure(archive, result, equal_count(block), calibration.primary())?;
-            let whole = measured.as_ref().is_none_or(|m| m.whole);
-            let value = arm_value(result, measured.map(|m| m.primary), whole);
-            checks.entry(check.by.into()).or_default().push(ArmValue { arm: check.of.clone(), ..value });
+    let mut noise = Vec::new();
+    for arms in &spec.density_noise {
+        let names = arms.names();
+        if names.iter().all(|arm| run.contains(arm)) {
+            let member = Member::observe(archive, results, &names, &gates, &mut calibrator)?;
+            let assessment = density_noise(arms, &member.observations)?;
+            noise.push(JudgedNoise { arms: arms.clone(), primary: member.yardstick.primary, assessment });
         }
     }
-    let conditions =
-        Conditions { operating_point: gates.operating_point, calibration, noise_floor: gates.noise_floor };
-    Ok(Observations { rows, conditions, checks })
+    Ok(Judgement { judged, noise, gates })
 }
 
-/// The cases of a claim's arms, block by block.
+/// What was observed of a contrast's arms.
+struct Member {
+    observations: Observations,
+    /// By rulers that the rule does not ask for.
+    others: BTreeMap<&'static str, Vec<ArmValue>>,
+    yardstick: Yardstick,
+    /// What the calibration by stretch found, in words.
+    calibration: String,
+}
+
+impl Member {
+    fn observe(
+        archive: &Archive,
+        results: &[CaseResult],
+        arms: &[&str],
+        gates: &Gates,
+        calibrator: &mut Calibrator,
+    ) -> anyhow::Result<Self> {
+        let blocks = blocks_of(results, |case| arms.iter().find(|arm| **arm == case.case.arm).copied());
+        let (calibration, words) = calibrator.calibrate(&blocks)?;
+        let spacing = archive.study.measure.largest_spacing;
+        let yardstick =
+            Yardstick { primary: calibration.primary(), flood_side: flood_side(&blocks, spacing) };
+        let (mut rows, mut checks, mut others) = (Vec::new(), BTreeMap::new(), BTreeMap::new());
+        for block in blocks.values() {
+            let count = equal_count(block);
+            for result in block {
+                let measured = remeasure(archive, result, count, yardstick)?;
+                rows.push(primary_value(result, measured.as_ref()));
+                for (check, value) in measured.iter().flat_map(|m| m.checks) {
+                    put(&mut checks, check, arm_value(result, Some(value), true));
+                }
+                for (name, value) in measured.iter().flat_map(|m| m.others) {
+                    put(&mut others, name, arm_value(result, Some(value), true));
+                }
+            }
+        }
+        // Arms that run one of the claim's arms again speak for it in the check.
+        for result in results {
+            let Some(under) = archive.study.spec.under(&result.case.arm) else { continue };
+            let (Some(check), Some(block)) = (under.check, blocks.get(&result.case.block)) else { continue };
+            if arms.contains(&under.arm.as_str()) {
+                let measured = remeasure(archive, result, equal_count(block), yardstick)?;
+                let value = primary_value(result, measured.as_ref());
+                put(&mut checks, Check::from(check), ArmValue { arm: under.arm.clone(), ..value });
+            }
+        }
+        let conditions = Conditions {
+            operating_point: gates.operating_point,
+            calibration,
+            noise_floor: gates.noise_floor,
+        };
+        Ok(Member {
+            observations: Observations { rows, conditions, checks },
+            others,
+            yardstick,
+            calibration: words,
+        })
+    }
+}
+
+fn put<K: Ord>(map: &mut BTreeMap<K, Vec<ArmValue>>, key: K, value: ArmValue) {
+    map.entry(key).or_default().push(value);
+}
+
+/// Particles to a cell of the flood fill, at the least (chosen: of the cells of a random placement 0.3 % then have less than a quarter of the rest
+/// density, which is within what the gate allows as dust).
+const FLOOD_PARTICLES: f64 = 8.0;
+
+/// Cells of the flood fill [m]: h_max, or larger where the thinnest of the placements that are compared has fewer particles to a cell.
+fn flood_side(blocks: &BlocksOf, spacing: f64) -> f64 {
+    let thinnest = |block: &Vec<&CaseResult>| {
+        let count = equal_count(block) as f64;
+        let built = block.iter().filter(|result| result.record.was_built());
+        let side = |result: &&CaseResult| {
+            let volume = result.record.made.filled_volume * FLOOD_PARTICLES / count;
+            libm::pow(volume, 1.0 / result.case.scene.dimension as f64)
+        };
+        built.map(side).filter(|side| side.is_finite()).fold(0.0, f64::max)
+    };
+    blocks.values().map(thinnest).fold(spacing, f64::max)
+}
+
+/// The cases of a contrast's arms, block by block.
 type BlocksOf<'a> = BTreeMap<u64, Vec<&'a CaseResult>>;
 
-fn blocks_of<'a>(results: &'a [CaseResult], claim: &Claim) -> BlocksOf<'a> {
-    let arms = claim.arms();
+/// The cases for which `arm` names an arm of the contrast.
+fn blocks_of<'a>(results: &'a [CaseResult], arm: impl Fn(&'a CaseResult) -> Option<&str>) -> BlocksOf<'a> {
     let mut blocks = BlocksOf::new();
-    for result in results.iter().filter(|r| arms.contains(&r.case.arm.as_str())) {
+    for result in results.iter().filter(|result| arm(result).is_some()) {
         blocks.entry(result.case.block).or_default().push(result);
     }
     blocks
+}
+
+/// A case by the primary metric.
+fn primary_value(result: &CaseResult, measured: Option<&Remeasured>) -> ArmValue {
+    arm_value(result, measured.map(|m| m.primary), measured.is_none_or(|m| m.whole))
 }
 
 /// N*: the least number of particles among the cases of a block that were built.

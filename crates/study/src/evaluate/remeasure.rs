@@ -19,9 +19,19 @@ pub struct Remeasured {
     pub primary: f64,
     /// Whether that metric sees, in the thinned particles, the intended bodies at t = 0.
     pub whole: bool,
-    /// The same endpoint measured otherwise. Where the flood fill is the primary, `no thinning` and `flood fill` are one
-    /// number.
+    /// The same endpoint measured otherwise.
     pub checks: [(Check, f64); 5],
+    /// The same by rulers that the rule does not ask for.
+    pub others: [(&'static str, f64); 2],
+}
+
+/// By what a claim is measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Yardstick {
+    /// The metric of the endpoint.
+    pub primary: Primary,
+    /// Cells of the flood fill [m]: the same for all arms of the claim.
+    pub flood_side: f64,
 }
 
 /// Measures a case anew; `None` where it cannot be.
@@ -29,11 +39,11 @@ pub fn remeasure(
     archive: &Archive,
     result: &CaseResult,
     count: usize,
-    primary: Primary,
+    yardstick: Yardstick,
 ) -> Result<Option<Remeasured>, StoreError> {
     match result.case.scene.dimension {
-        3 => remeasure_in::<3>(archive, result, count, primary),
-        _ => remeasure_in::<2>(archive, result, count, primary),
+        3 => remeasure_in::<3>(archive, result, count, yardstick),
+        _ => remeasure_in::<2>(archive, result, count, yardstick),
     }
 }
 
@@ -41,7 +51,7 @@ fn remeasure_in<const D: usize>(
     archive: &Archive,
     result: &CaseResult,
     count: usize,
-    primary: Primary,
+    Yardstick { primary, flood_side }: Yardstick,
 ) -> Result<Option<Remeasured>, StoreError> {
     let Some(metrics) = &result.metrics else { return Ok(None) };
     let frames: Frames<D> = archive.store.case(&result.key).read_frames()?;
@@ -50,16 +60,21 @@ fn remeasure_in<const D: usize>(
     let thinning = thinning_of(result);
     let by_link =
         |link: f64| move |points: &[Vector<f64, D>], masses: &[f64]| friends_of_friends(points, masses, link);
+    let raster = FloodRaster { side: flood_side, origin: Vector::zeros(), rest_density: ruler.density };
+    let by_flood = |points: &[Vector<f64, D>], masses: &[f64]| flood_fill(points, masses, raster);
     let by_primary = |points: &[Vector<f64, D>], masses: &[f64]| match primary {
         Primary::FriendsOfFriends => ruler.fragments(points, masses),
-        Primary::FloodFill => flood_fill(points, masses, raster(&ruler)),
+        Primary::FloodFill => by_flood(points, masses),
     };
-    let at = |frame: Option<&Frame<D>>, measure: &dyn Measure<D>| -> Result<f64, MetricError> {
+    let number = |frame: Option<&Frame<D>>,
+                  count: usize,
+                  value: &dyn Fn(&[Vector<f64, D>], &[f64]) -> Result<f64, MetricError>| {
         let points = frame.map_or(Vec::new(), Frame::points);
         let ids: Vec<usize> = (0..points.len()).collect();
-        mean_over_subsets(thinning, count, &ids, &points, &frames.masses, |points, masses| {
-            Ok(measure(points, masses)?.log_effective_number())
-        })
+        mean_over_subsets(thinning, count, &ids, &points, &frames.masses, value)
+    };
+    let at = |frame, measure: &dyn Measure<D>| {
+        number(frame, count, &|points, masses| Ok(measure(points, masses)?.log_effective_number()))
     };
     let whole = |frame: Option<&Frame<D>>| -> Result<bool, MetricError> {
         let points = frame.map_or(Vec::new(), Frame::points);
@@ -74,20 +89,26 @@ fn remeasure_in<const D: usize>(
     };
     let (first, last) = (frames.frames.first(), frames.frames.last());
     let earlier = earlier_frame(&frames, spec, &result.record);
-    let unthinned = match primary {
-        Primary::FriendsOfFriends => metrics.end.ln_neff,
-        Primary::FloodFill => metrics.ln_neff_flood,
+    let without_dust = |points: &[Vector<f64, D>], masses: &[f64]| {
+        Ok(by_primary(points, masses)?.log_effective_number_above(ruler.least_mass))
     };
+    let all = frames.masses.len();
+    let unthinned =
+        || number(last, all, &|points, masses| Ok(by_primary(points, masses)?.log_effective_number()));
     let measured = (|| -> Result<Remeasured, MetricError> {
         Ok(Remeasured {
             primary: at(last, &by_primary)?,
             whole: whole(first)?,
             checks: [
-                (Check::NoThinning, unthinned),
+                (Check::NoThinning, unthinned()?),
                 (Check::LongLink, at(last, &by_link(3.0 * ruler.spacing))?),
-                (Check::FloodFill, metrics.ln_neff_flood),
+                (Check::FloodFill, at(last, &by_flood)?),
                 (Check::BondGraph, metrics.ln_neff_bonds),
                 (Check::EarlierTime, at(earlier, &by_primary)?),
+            ],
+            others: [
+                ("link 4h", at(last, &by_link(4.0 * ruler.spacing))?),
+                ("without dust", number(last, count, &without_dust)?),
             ],
         })
     })();
@@ -99,9 +120,4 @@ trait Measure<const D: usize>: Fn(&[Vector<f64, D>], &[f64]) -> Result<FragmentA
 impl<const D: usize, F> Measure<D> for F where
     F: Fn(&[Vector<f64, D>], &[f64]) -> Result<FragmentAnalysis, MetricError>
 {
-}
-
-/// The raster of the stored metric: cells of h_max from the frames' origin.
-fn raster<const D: usize>(ruler: &Ruler) -> FloodRaster<D> {
-    FloodRaster { side: ruler.spacing, origin: Vector::zeros(), rest_density: ruler.density }
 }

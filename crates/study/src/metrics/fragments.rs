@@ -138,6 +138,13 @@ impl FragmentAnalysis {
         libm::log(self.effective_number())
     }
 
+    /// The same of the fragments of at least `least` [kg] alone; 0 where there are none.
+    pub fn log_effective_number_above(&self, least: f64) -> f64 {
+        let large = || self.masses.iter().take_while(|&&mass| mass >= least);
+        let (sum, squares) = (large().sum::<f64>(), large().map(|mass| mass * mass).sum::<f64>());
+        if squares > 0.0 { libm::log(sum * sum / squares) } else { 0.0 }
+    }
+
     /// M_1/M, the share of the heaviest fragment; 0 without particles. The study's D is one minus this.
     pub fn largest_share(&self) -> f64 {
         self.shares().next().unwrap_or(0.0)

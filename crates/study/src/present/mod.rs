@@ -5,7 +5,7 @@ mod obstacles;
 mod page;
 mod pictures;
 
-use crate::evaluate::{Gates, Judged};
+use crate::evaluate::{Gates, Judged, JudgedNoise};
 use crate::figure::{Drawing, FigureError};
 use crate::report::ReportFigure;
 use crate::results::{Archive, CaseResult};
@@ -22,6 +22,8 @@ pub struct Findings<'a> {
     pub results: &'a [CaseResult],
     /// Its claims, judged.
     pub judged: &'a [Judged],
+    /// Paths of the control `density-noise`.
+    pub noise: &'a [JudgedNoise],
     /// The gates that the claims had to pass.
     pub gates: &'a Gates,
 }

@@ -33,7 +33,8 @@ impl StudySpec {
     }
 
     fn check_axis(&self, place: String, name: &str) -> Result<(), SpecError> {
-        let names: Vec<&str> = self.sweep.iter().map(|axis| axis.name.as_str()).collect();
+        let plain = self.sweep.iter().filter(|axis| axis.sample.is_none());
+        let names: Vec<&str> = plain.map(|axis| axis.name.as_str()).collect();
         if names.contains(&name) {
             return Ok(());
         }

@@ -5,6 +5,7 @@ pub mod override_path;
 mod place;
 pub mod range;
 mod refusal;
+pub mod sample;
 pub mod scene;
 pub mod scene_rules;
 pub mod study;

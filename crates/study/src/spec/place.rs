@@ -17,14 +17,15 @@ pub fn line_of_key(text: &str, place: &str) -> Option<usize> {
 /// of the scene: where the study under `profile` sets that key last. Without a key that is set anywhere it is the arm's.
 pub fn line_in_study(text: &str, spec: &StudySpec, profile: &str, place: &str) -> Option<usize> {
     let mut names = place.strip_prefix("arm `")?.split('`');
-    let (id, key) = (names.next()?, names.nth(1).unwrap_or_default());
+    let (name, key) = (names.next()?, names.nth(1).unwrap_or_default());
+    let (id, condition) = name.split_once('@').map_or((name, None), |(id, condition)| (id, Some(condition)));
+    let condition = condition.and_then(|id| spec.condition.iter().position(|condition| condition.id == id));
     let arm = spec.arm.iter().position(|arm| arm.id == id)?;
     let document = DeTable::parse(text).ok()?;
-    let checked = spec.arm[arm].check.as_ref().map_or(id, |check| &check.of);
-    let own = |id: &str| {
-        let index = spec.arm.iter().position(|arm| arm.id == id).unwrap_or(arm);
-        [format!("profile.{profile}.arm_set.{id}"), format!("arm.{index}.set")]
-    };
+    let under = condition
+        .into_iter()
+        .flat_map(|index| [format!("condition.{index}.arm_set.{id}"), format!("condition.{index}.set")]);
+    let own = [format!("profile.{profile}.arm_set.{id}"), format!("arm.{arm}.set")];
     let axes = || spec.sweep.iter().enumerate().filter(|(_, axis)| axis.takes(id));
     let swept = axes().filter_map(|(index, axis)| {
         let path = axis.path.as_ref()?;
@@ -36,14 +37,14 @@ pub fn line_in_study(text: &str, spec: &StudySpec, profile: &str, place: &str) -
         .filter(|(_, axis)| axis.path.is_none())
         .flat_map(|(index, axis)| (0..axis.values.len()).map(move |k| format!("sweep.{index}.values.{k}")));
     let set = points
-        .chain(own(id))
-        .chain(own(checked))
+        .chain(under)
+        .chain(own)
         .chain([format!("profile.{profile}.set"), "scene".into()])
         // Without any part of the key the table is there, and does not set it.
         .filter_map(|table| {
             find(&document, &format!("{table}.{key}")).filter(|found| found.left < key.len())
         });
-    let arm = find(&document, &format!("arm.{arm}"));
+    let arm = find(&document, &condition.map_or(format!("arm.{arm}"), |index| format!("condition.{index}")));
     swept.chain(set).next().or(arm).map(|found| line_at(text, found.start))
 }
 

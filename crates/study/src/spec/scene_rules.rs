@@ -90,6 +90,10 @@ pub const RULES: &[Rule] = &[
     one("body.*.voids.gap", within(0.0, 1e6)),
     one("body.*.voids.correlation_length", LENGTH),
     one("body.*.voids.judged_at", LENGTH),
+    one("body.*.heterogeneity.spread", within(0.0, 3.0)),
+    one("body.*.heterogeneity.correlation_length", LENGTH),
+    one("body.*.heterogeneity.factor", POSITIVE),
+    one("body.*.heterogeneity.thickness", LENGTH),
     one("body.*.material.density", POSITIVE),
     one("body.*.material.young", POSITIVE),
     one("body.*.material.poisson", within(0.0, 0.5).open_above()),
@@ -221,7 +225,12 @@ fn check_body(body: &BodySpec, number: usize) -> Result<(), SpecError> {
     if !from_file && body.region.is_none() {
         return refuse("region", "is missing; only a placement of kind `file` does without".into());
     }
-    for (key, given) in [("region", body.region.is_some()), ("voids", body.voids.is_some())] {
+    let sampled = [
+        ("region", body.region.is_some()),
+        ("voids", body.voids.is_some()),
+        ("heterogeneity", body.heterogeneity.is_some()),
+    ];
+    for (key, given) in sampled {
         if from_file && given {
             return refuse(
                 key,

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::claims::Claim;
+use super::sample::SampleSpec;
+use crate::claims::{Claim, DensityNoise};
 
 /// The profile of a study run without one.
 pub const DEFAULT_PROFILE: &str = "default";
@@ -29,6 +30,9 @@ pub struct StudySpec {
     /// Axes that every arm is run along: all combinations.
     #[serde(default)]
     pub sweep: Vec<SweepSpec>,
+    /// Conditions under which arms are run again.
+    #[serde(default)]
+    pub condition: Vec<ConditionSpec>,
     /// How fragments are measured.
     pub measure: MeasureSpec,
     /// The speed that a pilot chose, and where that is recorded.
@@ -46,6 +50,9 @@ pub struct StudySpec {
     /// Controls judged from the arms: a second family.
     #[serde(default)]
     pub control: Vec<Claim>,
+    /// Paths of the control `density-noise`.
+    #[serde(default)]
+    pub density_noise: Vec<DensityNoise>,
     /// Maps of how cases end over two axes of the sweep.
     #[serde(default)]
     pub map: Vec<MapSpec>,
@@ -82,25 +89,90 @@ pub struct ArmSpec {
     /// Number of blocks, where it differs from the study's.
     #[serde(default)]
     pub blocks: Option<u64>,
-    /// What it checks, where it is the same as another arm but for the step or the transfer.
-    #[serde(default)]
-    pub check: Option<CheckSpec>,
     /// What its accuracy and cost are compared with.
     #[serde(default)]
     pub trade: Option<TradeSpec>,
     /// Name of the figure in which the arm's first block is pictured before and after; none when left out.
     #[serde(default)]
     pub picture: Option<String>,
+    /// What it runs again, and under which condition; no arm of a file has it, those made of conditions do.
+    #[serde(skip)]
+    pub under: Option<Under>,
 }
 
-/// What an arm runs again, to check a claim.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// What an arm runs again under a condition.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Under {
+    /// The arm that is run again: its `set` holds here too, before the condition's.
+    pub arm: String,
+    /// Id of the condition.
+    pub condition: String,
+    /// What it checks of the numerics, if it does.
+    pub check: Option<Rerun>,
+}
+
+/// A condition under which arms are run again: a check of the numerics, or other circumstances that a claim may or may not hold in.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct CheckSpec {
-    /// The arm that is run again: its `set` holds here too, before the arm's own.
-    pub of: String,
-    /// What is changed.
-    pub by: Rerun,
+pub struct ConditionSpec {
+    /// Short name: the arm `a` under it is `a@id`.
+    pub id: String,
+    /// Words for figures and tables; the id when left out.
+    #[serde(default)]
+    pub label: Option<String>,
+    /// What it checks of the numerics, where it changes the step or the transfer and nothing else.
+    #[serde(default)]
+    pub check: Option<Rerun>,
+    /// Arms that are run under it.
+    pub arms: Vec<String>,
+    /// Values set in the scene after the arm's own, by dotted path.
+    #[serde(default)]
+    pub set: BTreeMap<String, toml::Value>,
+    /// Values set in single arms after those.
+    #[serde(default)]
+    pub arm_set: BTreeMap<String, BTreeMap<String, toml::Value>>,
+    /// Number of blocks, where it differs from the study's.
+    #[serde(default)]
+    pub blocks: Option<u64>,
+}
+
+impl ConditionSpec {
+    /// The words for it.
+    pub fn label(&self) -> &str {
+        self.label.as_deref().unwrap_or(&self.id)
+    }
+
+    /// `arm` run again under it.
+    fn arm(&self, arm: &ArmSpec) -> ArmSpec {
+        let own = self.arm_set.get(&arm.id).into_iter().flatten();
+        ArmSpec {
+            id: format!("{}@{}", arm.id, self.id),
+            label: Some(format!("{}, {}", arm.label.as_ref().unwrap_or(&arm.id), self.label())),
+            set: self.set.iter().chain(own).map(|(path, value)| (path.clone(), value.clone())).collect(),
+            blocks: self.blocks.or(arm.blocks),
+            trade: None,
+            picture: None,
+            under: Some(Under { arm: arm.id.clone(), condition: self.id.clone(), check: self.check }),
+        }
+    }
+}
+
+impl StudySpec {
+    /// The study with an arm for every arm under every condition, behind those of the file.
+    pub fn with_conditions(mut self) -> Self {
+        let of = |condition: &ConditionSpec| -> Vec<ArmSpec> {
+            let arms = condition.arms.iter().filter_map(|id| self.arm.iter().find(|arm| arm.id == *id));
+            arms.map(|arm| condition.arm(arm)).collect()
+        };
+        let more: Vec<ArmSpec> = self.condition.iter().flat_map(of).collect();
+        self.arm.extend(more);
+        self
+    }
+
+    /// What the arm runs again, if it is an arm under a condition.
+    pub fn under(&self, id: &str) -> Option<&Under> {
+        self.arm.iter().find(|arm| arm.id == id).and_then(|arm| arm.under.as_ref())
+    }
 }
 
 /// What an arm trades: its error beside another arm with the same particles, for the time it takes.
@@ -132,8 +204,12 @@ pub struct SweepSpec {
     /// Dotted path into the scene; left out, each value is a table of settings by path.
     #[serde(default)]
     pub path: Option<String>,
-    /// Values.
+    /// Values; none where they are sampled.
+    #[serde(default)]
     pub values: Vec<toml::Value>,
+    /// Points spread over several factors, in place of values: each factor is a column of the tables.
+    #[serde(default)]
+    pub sample: Option<SampleSpec>,
     /// Words for the values in figures; their numbers when left out.
     #[serde(default)]
     pub labels: Option<Vec<String>>,
@@ -146,6 +222,19 @@ pub struct SweepSpec {
 }
 
 impl SweepSpec {
+    /// Number of its points.
+    pub fn points(&self) -> usize {
+        self.sample.as_ref().map_or(self.values.len(), |sample| sample.points as usize)
+    }
+
+    /// Its columns in the tables: its own name, or those of its factors.
+    pub fn columns(&self) -> Vec<&str> {
+        match &self.sample {
+            None => vec![&self.name],
+            Some(sample) => sample.factor.iter().map(|factor| factor.name.as_str()).collect(),
+        }
+    }
+
     /// The numbers that stand for its values in tables.
     pub fn all_numbers(&self) -> Vec<f64> {
         (0..self.values.len()).map(|index| self.number(index)).collect()
@@ -292,7 +381,10 @@ pub struct ProfileSpec {
     /// Arms that are run; all when left out.
     #[serde(default)]
     pub arms: Option<Vec<String>>,
-    /// Blocks of every arm.
+    /// Conditions under which arms are run again; when left out all, or none where `arms` are named.
+    #[serde(default)]
+    pub conditions: Option<Vec<String>>,
+    /// Blocks of every arm; one that has fewer of its own keeps their number.
     #[serde(default)]
     pub blocks: Option<BlockSpec>,
     /// Measurement, where the scene's change asks for another.

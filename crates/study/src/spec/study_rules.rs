@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use super::range::{NOT_NEGATIVE, POSITIVE, Range, Shown, at_least, within};
+use super::sample::{SampleSpec, Scale};
 use super::study::{
-    ArmSpec, BlockSpec, CheckSpec, DEFAULT_PROFILE, ExpectSpec, FeatureSpec, MeasureSpec, ProfileSpec,
-    SweepSpec,
+    ArmSpec, BlockSpec, DEFAULT_PROFILE, ExpectSpec, FeatureSpec, MeasureSpec, ProfileSpec, SweepSpec,
 };
 use super::{Spec, SpecError, StudySpec, brief};
 use crate::claims::Claim;
@@ -29,28 +29,26 @@ pub const RULES: &[(&str, Range)] = &[
 pub const MOST_ARMS: usize = 1000;
 /// Axes of a sweep (chosen: with two values on each, more cases than a study may have).
 pub const MOST_AXES: usize = 20;
+/// Points of a sampled axis: as many as the sequence has.
+const MOST_POINTS: u32 = 65_536;
 /// Characters of a name (chosen: file systems take 255 with all that is added).
 const MOST_IN_NAME: usize = 64;
 /// What files of results end in; a profile's folder stands beside them.
 const ENDINGS: [&str; 2] = [".csv", ".html"];
 
-/// Ids of all arms, and of those that check another one.
-pub(super) struct Ids<'a> {
-    all: BTreeSet<&'a str>,
-    checks: BTreeSet<&'a str>,
-}
+/// Ids of all arms.
+pub(super) struct Ids<'a>(BTreeSet<&'a str>);
 
 impl<'a> Ids<'a> {
     fn of(arms: &'a [ArmSpec]) -> Self {
-        let ids = |arms: &mut dyn Iterator<Item = &'a ArmSpec>| arms.map(|arm| arm.id.as_str()).collect();
-        Ids { all: ids(&mut arms.iter()), checks: ids(&mut arms.iter().filter(|arm| arm.check.is_some())) }
+        Ids(arms.iter().map(|arm| arm.id.as_str()).collect())
     }
 
     pub(super) fn check(&self, place: impl Into<String>, id: &str) -> Result<(), SpecError> {
-        if self.all.contains(id) {
+        if self.0.contains(id) {
             return Ok(());
         }
-        let known: Vec<&str> = self.all.iter().copied().collect();
+        let known: Vec<&str> = self.0.iter().copied().collect();
         refuse(place, format!("names the arm \"{id}\"; the study has: {}", known.join(", ")))
     }
 }
@@ -65,12 +63,16 @@ impl Spec for StudySpec {
         if self.scene.contains_key("seed") {
             return refuse("`scene.seed`", "is the number of the block in a study; set `blocks.first`");
         }
+        self.check_conditions(ids)?;
         self.check_sweep(ids)?;
         self.check_maps(ids)?;
         self.feature.iter().enumerate().try_for_each(|(n, feature)| self.check_feature(ids, n, feature))?;
         self.noise_floor.iter().try_for_each(|id| ids.check("`noise_floor`", id))?;
         for (family, claims) in [("claim", &self.claim), ("control", &self.control)] {
             claims.iter().enumerate().try_for_each(|(n, claim)| self.check_claim(ids, family, n, claim))?;
+        }
+        for (number, arms) in self.density_noise.iter().enumerate() {
+            arms.names().into_iter().try_for_each(|id| ids.check(format!("`density_noise.{number}`"), id))?;
         }
         self.expect.iter().enumerate().try_for_each(|(n, expect)| self.check_expect(ids, n, expect))?;
         self.profile.iter().try_for_each(|(name, profile)| self.check_profile(ids, name, profile))
@@ -98,10 +100,6 @@ impl StudySpec {
                 check_number(&format!("arm.{number}.blocks"), "arm.*.blocks", count as f64)?;
             }
             self.check_seed_is_not_set(&format!("arm.{number}.set"), arm.set.keys())?;
-            if let Some(check) = &arm.check {
-                let repeated = self.arm[..number].iter().any(|before| before.check.as_ref() == Some(check));
-                check_check(ids, &format!("`arm.{number}.check`"), check, repeated)?;
-            }
             if let Some(trade) = &arm.trade {
                 let place = format!("`arm.{number}.trade.reference`");
                 ids.check(&place, &trade.reference)?;
@@ -133,9 +131,60 @@ impl StudySpec {
         Ok(())
     }
 
-    /// What the arm checks, if it is a check.
-    pub fn check_of(&self, id: &str) -> Option<&CheckSpec> {
-        self.arm.iter().find(|arm| arm.id == id).and_then(|arm| arm.check.as_ref())
+    fn check_conditions(&self, ids: &Ids) -> Result<(), SpecError> {
+        let arms: usize = self.condition.iter().map(|condition| condition.arms.len()).sum();
+        if arms.max(self.condition.len()) + self.arm.len() > MOST_ARMS {
+            let message = format!(
+                "makes {arms} arms beside {} [[arm]]; allowed: {MOST_ARMS} together; make two studies of it",
+                self.arm.len()
+            );
+            return refuse("`condition`", message);
+        }
+        let mut seen = BTreeSet::new();
+        for (number, condition) in self.condition.iter().enumerate() {
+            let place = |key: &str| format!("`condition.{number}.{key}`");
+            check_name(&place("id"), &condition.id)?;
+            if !seen.insert(&condition.id) {
+                let message =
+                    format!("is \"{}\", which stands twice; give each condition its own id", condition.id);
+                return refuse(place("id"), message);
+            }
+            if condition.arms.is_empty() {
+                return refuse(place("arms"), "is empty; name the arms that are run under it");
+            }
+            let mut named = BTreeSet::new();
+            for id in &condition.arms {
+                ids.check(place("arms"), id)?;
+                if !named.insert(id) {
+                    return refuse(place("arms"), format!("names the arm \"{id}\" twice; name each once"));
+                }
+            }
+            if let Some(count) = condition.blocks {
+                check_number(&format!("condition.{number}.blocks"), "arm.*.blocks", count as f64)?;
+            }
+            self.check_seed_is_not_set(&format!("condition.{number}.set"), condition.set.keys())?;
+            for (id, set) in &condition.arm_set {
+                if !named.contains(id) {
+                    let known: Vec<&str> = condition.arms.iter().map(String::as_str).collect();
+                    let message = format!("names the arm \"{id}\"; the condition has: {}", known.join(", "));
+                    return refuse(place("arm_set"), message);
+                }
+                self.check_seed_is_not_set(&format!("condition.{number}.arm_set.{id}"), set.keys())?;
+            }
+            let twin = self.condition[..number].iter().find(|before| {
+                before.check.is_some()
+                    && before.check == condition.check
+                    && before.arms.iter().any(|id| named.contains(id))
+            });
+            if let Some(twin) = twin {
+                let message = format!(
+                    "is what \"{}\" checks of one of its arms already; remove one, or name other arms",
+                    twin.id
+                );
+                return refuse(place("check"), message);
+            }
+        }
+        Ok(())
     }
 
     fn check_sweep(&self, ids: &Ids) -> Result<(), SpecError> {
@@ -148,6 +197,11 @@ impl StudySpec {
         for (number, axis) in self.sweep.iter().enumerate() {
             let place = |key: &str| format!("`sweep.{number}.{key}`");
             check_name(&place("name"), &axis.name)?;
+            if let Some(sample) = &axis.sample {
+                axis.arms.iter().try_for_each(|id| ids.check(place("arms"), id))?;
+                self.check_sample(ids, number, axis, sample, &mut names)?;
+                continue;
+            }
             if !names.insert(&axis.name) {
                 let message = format!(
                     "is \"{}\", which a column of the tables has already; give it another name",
@@ -183,15 +237,65 @@ impl StudySpec {
         Ok(())
     }
 
+    fn check_sample<'a>(
+        &self,
+        ids: &Ids,
+        number: usize,
+        axis: &SweepSpec,
+        sample: &'a SampleSpec,
+        names: &mut BTreeSet<&'a str>,
+    ) -> Result<(), SpecError> {
+        let place = |key: &str| format!("`sweep.{number}.sample.{key}`");
+        let given = [
+            ("path", axis.path.is_some()),
+            ("values", !axis.values.is_empty()),
+            ("labels", axis.labels.is_some()),
+            ("numbers", axis.numbers.is_some()),
+        ];
+        if let Some((key, _)) = given.into_iter().find(|(_, given)| *given) {
+            let message = "means nothing beside `sample`, whose points are its values; remove one of them";
+            return refuse(format!("`sweep.{number}.{key}`"), message);
+        }
+        if !(1..=MOST_POINTS).contains(&sample.points) {
+            let message = format!("is {}; allowed: 1 to {MOST_POINTS}", sample.points);
+            return refuse(place("points"), message);
+        }
+        if !(1..=MOST_AXES).contains(&sample.factor.len()) {
+            let message = format!("has {} entries; allowed: 1 to {MOST_AXES}", sample.factor.len());
+            return refuse(place("factor"), message);
+        }
+        for (index, factor) in sample.factor.iter().enumerate() {
+            let place = |key: &str| place(&format!("factor.{index}.{key}"));
+            check_name(&place("name"), &factor.name)?;
+            if !names.insert(&factor.name) {
+                let message = format!(
+                    "is \"{}\", which a column of the tables has already; give it another name",
+                    factor.name
+                );
+                return refuse(place("name"), message);
+            }
+            self.check_seed_is_not_set(
+                &format!("sweep.{number}.sample.factor.{index}.path"),
+                [&factor.path].into_iter(),
+            )?;
+            let [least, greatest] = factor.range;
+            let positive = factor.scale == Scale::Linear || least > 0.0;
+            if !(least < greatest && least.is_finite() && greatest.is_finite() && positive) {
+                let message = format!(
+                    "is [{least:?}, {greatest:?}]; allowed: [least, greatest], least first, and above 0 where the scale is `logarithmic`"
+                );
+                return refuse(place("range"), message);
+            }
+            factor.arms.iter().try_for_each(|id| ids.check(place("arms"), id))?;
+        }
+        Ok(())
+    }
+
     fn check_claim(&self, ids: &Ids, family: &str, number: usize, claim: &Claim) -> Result<(), SpecError> {
         let place = format!("`{family}.{number}.contrast`");
         claim.validate().or_else(|error| refuse(&place, error.to_string()))?;
         claim.arms().into_iter().try_for_each(|id| ids.check(&place, id))?;
-        if let Some(id) = claim.arms().into_iter().find(|id| ids.checks.contains(id)) {
-            let message = format!("names the arm \"{id}\", which only checks another; name that one");
-            return refuse(place, message);
-        }
-        if self.sweep.iter().any(|axis| axis.values.len() > 1) {
+        if self.sweep.iter().any(|axis| axis.points() > 1) {
             let message = "compares arms, which a sweep runs more than once in a block; leave out [[sweep]]";
             return refuse(place, message);
         }
@@ -226,7 +330,7 @@ impl StudySpec {
     }
 
     pub(super) fn check_metric(&self, place: String, metric: &str) -> Result<(), SpecError> {
-        let axes = self.sweep.iter().map(|axis| axis.name.as_str());
+        let axes = self.sweep.iter().flat_map(SweepSpec::columns);
         let known: Vec<&str> = CASE_NUMBERS.into_iter().chain(axes).collect();
         if known.contains(&metric) {
             return Ok(());
@@ -263,6 +367,14 @@ impl StudySpec {
                 return refuse(place("arms"), format!("names the arm \"{id}\" twice; name each once"));
             }
         }
+        for id in profile.conditions.iter().flatten() {
+            if !self.condition.iter().any(|condition| condition.id == *id) {
+                let known: Vec<&str> = self.condition.iter().map(|condition| condition.id.as_str()).collect();
+                let known = if known.is_empty() { "none".into() } else { known.join(", ") };
+                let message = format!("names the condition \"{id}\"; the study has: {known}");
+                return refuse(place("conditions"), message);
+            }
+        }
         self.check_seed_is_not_set(&format!("{key}.set"), profile.set.keys())?;
         for (id, set) in &profile.arm_set {
             ids.check(place("arm_set"), id)?;
@@ -278,21 +390,6 @@ pub(super) fn check_ends(place: String, [least, greatest]: [f64; 2]) -> Result<(
         return Ok(());
     }
     refuse(place, format!("is [{least:?}, {greatest:?}]; allowed: [least, greatest], least first"))
-}
-
-fn check_check(ids: &Ids, place: &str, check: &CheckSpec, repeated: bool) -> Result<(), SpecError> {
-    ids.check(place, &check.of)?;
-    let of = &check.of;
-    if ids.checks.contains(of.as_str()) {
-        return refuse(
-            place,
-            format!("is of \"{of}\", which is a check itself; name the arm that is checked"),
-        );
-    }
-    if repeated {
-        return refuse(place, format!("is of \"{of}\" by what an arm before checks already; remove one"));
-    }
-    Ok(())
 }
 
 fn check_values(axis: &SweepSpec, place: impl Fn(&str) -> String) -> Result<(), SpecError> {

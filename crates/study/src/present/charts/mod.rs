@@ -63,7 +63,7 @@ impl<'a> Arms<'a> {
         let most = groups.iter().map(Vec::len).max().unwrap_or(0);
         for group in groups {
             let id = group[0].case.arm.as_str();
-            let floor = spec.noise_floor.iter().any(|arm| arm == id) || spec.check_of(id).is_some();
+            let floor = spec.noise_floor.iter().any(|arm| arm == id) || spec.under(id).is_some();
             let only_pictured = group.len() == 1 && most > 1 && !judged.contains(&id);
             let cases: Vec<&CaseResult> = group.iter().copied().filter(|result| usable(result)).collect();
             if !floor && !only_pictured && !cases.is_empty() {

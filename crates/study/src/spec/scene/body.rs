@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::heterogeneity::HeterogeneitySpec;
 use super::material::MaterialSpec;
 use super::placement::PlacementSpec;
 use super::region::RegionSpec;
@@ -19,6 +20,9 @@ pub struct BodySpec {
     /// Voids, none when left out.
     #[serde(default)]
     pub voids: Option<VoidSpec>,
+    /// How its particles differ; they are alike when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub heterogeneity: Option<HeterogeneitySpec>,
     /// Material.
     #[serde(default)]
     pub material: MaterialSpec,

@@ -2,6 +2,7 @@
 
 mod body;
 mod collider;
+mod heterogeneity;
 mod material;
 mod numerics;
 mod output;
@@ -11,6 +12,7 @@ mod voids;
 
 pub use body::BodySpec;
 pub use collider::{ColliderSpec, ContactName, SolidSpec};
+pub use heterogeneity::{HeterogeneitySpec, Property};
 pub use material::MaterialSpec;
 pub use numerics::{
     AdvectionName, EngineName, IntegratorSpec, KernelName, MethodName, NumericsSpec, PrecisionName,
