@@ -204,7 +204,8 @@ fn try_out(spec: &SceneSpec, archive: &Archive) -> Result<Trial, SpecError> {
     let pace = pace(run.as_mut(), TRIAL).map_err(|error| SpecError::value("scene", error))?;
     let flight = if spec.output.end_from == EndFrom::Contact { WITH_FLIGHT } else { 1.0 };
     let duration = spec.output.end * time_unit(&spec.output, made.crossing_time)? * flight;
-    let particles = made.particles as f64;
+    // A scene without particles takes steps all the same.
+    let particles = made.particles.max(1) as f64;
     Ok(Trial { nanoseconds: 1e9 * pace.step / particles, particle_steps: particles * duration / first_step })
 }
 

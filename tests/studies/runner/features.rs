@@ -3,7 +3,7 @@
 use super::{Desk, rows, study};
 use snowlab_study::statistics::{mean, standard_deviation};
 
-/// An elastic ball beside one that yields, and beside one whose steps are half as long.
+/// Fixed steps beside steps half as long, and steps as long as waves allow beside fixed ones.
 const PAIRS: &str = r#"
 [[arm]]
 id = "usual"
@@ -18,7 +18,7 @@ name = "half the step"
 on = "shorter"
 off = "short"
 [[feature]]
-name = "elasticity of the usual step"
+name = "steps of the length waves allow"
 on = "usual"
 off = "short"
 "#;

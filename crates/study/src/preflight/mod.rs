@@ -77,7 +77,7 @@ pub fn preflight(spec: &SceneSpec, folder: &Path, threads: usize) -> Result<Pref
     let rehearsals = rehearsal::rehearse(spec, folder, facts.particles, |small| small.seconds(step));
     let predicted = pace.as_ref().ok().map(|pace| predict(&facts, pace, rehearsals.last(), around));
     let mut hazards = hazards(spec, &facts);
-    hazards.extend(rehearsals.last().and_then(stopped_in_the_small));
+    hazards.extend(rehearsals.last().and_then(Rehearsal::hazard));
     hazards.extend(pace.err().map(|message| Advice::new("numerics", message, "see what else is said here")));
     hazards.extend(predicted.and_then(|predicted| too_many_steps(spec, &predicted)));
     let needless = match predicted {
@@ -116,29 +116,6 @@ fn predict(facts: &Facts, pace: &Pace, finest: Option<&Rehearsal>, around: f64) 
     let steps = finest.map_or(first, |small| small.scaled(small.steps));
     let running = finest.map_or(first * pace.step, |small| small.seconds(pace.unit()));
     Predicted { steps, seconds: around + running, around: around / (around + running) }
-}
-
-/// A rehearsal that was given up says how long the run is at the least, one that stopped what may stop the run.
-fn stopped_in_the_small(small: &Rehearsal) -> Option<Advice> {
-    let (coarser, reason) = (small.coarser, small.stopped.as_ref()?);
-    if small.given_up {
-        let finding = format!(
-            "the run takes more than {:.0e} steps: its rehearsal on a grid {coarser} times as coarse was given up at t = {:.2e} s",
-            small.scaled(small.steps),
-            small.end_time
-        );
-        return Some(Advice::new(
-            "output.end",
-            finding,
-            "end the run earlier, or soften or slow what makes the steps short",
-        ));
-    }
-    let finding = format!("the rehearsal on a grid {coarser} times as coarse stopped: {reason}");
-    Some(Advice::new(
-        "numerics",
-        finding,
-        "see what else is said here; a run that stops has its reason in its record",
-    ))
 }
 
 fn too_many_steps(spec: &SceneSpec, predicted: &Predicted) -> Option<Advice> {

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use snowlab_solver::{Real, Simulation};
 
+use super::Advice;
 use crate::pace::STEP_IN_APPLICATIONS;
 use crate::record::RunRecord;
 use crate::run::{Observer, run_scene};
@@ -137,6 +138,29 @@ impl Rehearsal {
         let growth = if self.hardening > HARDENED { HARDENING_GROWTH } else { 0.0 };
         count as f64 * libm::pow(self.coarser as f64, 1.0 + growth)
     }
+
+    /// Given up, it says how long the run is at the least; stopped, what may stop the run.
+    pub fn hazard(&self) -> Option<Advice> {
+        let (coarser, reason) = (self.coarser, self.stopped.as_ref()?);
+        if self.given_up {
+            let finding = format!(
+                "the run takes more than {:.0e} steps: its rehearsal on a grid {coarser} times as coarse was given up at t = {:.2e} s",
+                self.scaled(self.steps),
+                self.end_time
+            );
+            return Some(Advice::new(
+                "output.end",
+                finding,
+                "end the run earlier, or soften or slow what makes the steps short",
+            ));
+        }
+        let finding = format!("the rehearsal on a grid {coarser} times as coarse stopped: {reason}");
+        Some(Advice::new(
+            "numerics",
+            finding,
+            "see what else is said here; a run that stops has its reason in its record",
+        ))
+    }
 }
 
 /// The scene on a grid so many times as coarse, with as many particles to a cell and the voids it has; `None` for particles of a file. Only its
@@ -239,5 +263,18 @@ mod tests {
     fn steps_go_with_the_spacing_and_more_where_snow_hardens() {
         assert_eq!(small(1.0).scaled(100), 400.0);
         assert!((small(6.0).scaled(100) - 100.0 * 4.0_f64.powf(1.2)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_stops_a_rehearsal_is_told_of_the_run() {
+        assert!(small(1.0).hazard().is_none());
+        let stopped = Rehearsal { stopped: Some("a step failed".into()), ..small(1.0) };
+        let told = stopped.hazard().expect("it stopped").to_string();
+        assert!(told.contains("on a grid 4 times as coarse stopped: a step failed"), "{told}");
+        let given_up = Rehearsal { steps: 50_000, given_up: true, end_time: 0.25, ..stopped };
+        let told = given_up.hazard().expect("it stopped").to_string();
+        // Four times the steps of the rehearsal, which took no account of hardening.
+        assert!(told.contains("`output.end`: the run takes more than 2e5 steps"), "{told}");
+        assert!(told.contains("given up at t = 2.50e-1 s"), "{told}");
     }
 }
