@@ -401,40 +401,47 @@ pub fn groups(results: &[CaseResult]) -> Vec<Vec<&CaseResult>> {
 
 /// `claims`: one row a claim.
 pub fn claims(judged: &[Judged]) -> Table {
-    let rows = judged.iter().map(|Judged { family, claim, primary, assessment: a, .. }| {
-        let e = &a.evidence;
-        let lower = |i: Option<Interval>| i.map(|i| i.lower);
-        let upper = |i: Option<Interval>| i.map(|i| i.upper);
-        let checks = a.checks.iter().map(CheckReading::to_string).collect::<Vec<_>>().join("; ");
-        let mut row = Row::default();
-        row.put("family", "-", "claim or control", *family)
-            .put("claim", "-", "id of the claim", a.claim.as_str())
-            .put("sentence", "-", "what is claimed, in our words", claim.sentence.as_str())
-            .put("primary", "-", "metric of the endpoint A, by the calibration", primary.to_string().as_str())
-            .put("verdict", "-", "by the mechanical rule", a.verdict.to_string().as_str())
-            .count("blocks", "complete blocks", e.blocks as u64)
-            .count("lost_blocks", "blocks dropped because a case in them was lost", a.lost_blocks as u64)
-            .put("effect", "ln N_eff", "mean of d over blocks, positive in PS17's direction", e.effect)
-            .put("sd", "ln N_eff", "standard deviation of d over blocks", e.standard_deviation)
-            .number("confidence", "-", "confidence of the intervals, 1 - 0.05/m", e.confidence)
-            .put("lower_t", "ln N_eff", "lower end of the studentised interval", lower(e.interval_t))
-            .put("upper_t", "ln N_eff", "upper end of the studentised interval", upper(e.interval_t))
-            .put("lower_bca", "ln N_eff", "lower end of the BCa interval", lower(e.interval_bca))
-            .put("upper_bca", "ln N_eff", "upper end of the BCa interval", upper(e.interval_bca))
-            .put("upper_one_sided_t", "ln N_eff", "one-sided 95 % upper bound, studentised", e.upper_t)
-            .put("upper_one_sided_bca", "ln N_eff", "one-sided 95 % upper bound, BCa", e.upper_bca)
-            .put("p", "-", "sign flips or permutations within blocks", e.p_value)
-            .put("p_holm", "-", "adjusted over the family by Holm", e.p_holm)
-            .put("cliffs_delta", "-", "Cliff's delta of the extreme arms, descriptive", e.cliffs_delta)
-            .put(
-                "checks",
-                "ln N_eff",
-                "the effect as measured otherwise, and in how many blocks",
-                checks.as_str(),
-            )
-            .put("explanation", "-", "the rule that decided, with its numbers", a.explanation.as_str());
-        row
-    });
+    let rows =
+        judged.iter().map(|Judged { family, claim, primary, largest_spacing, assessment: a, .. }| {
+            let e = &a.evidence;
+            let lower = |i: Option<Interval>| i.map(|i| i.lower);
+            let upper = |i: Option<Interval>| i.map(|i| i.upper);
+            let checks = a.checks.iter().map(CheckReading::to_string).collect::<Vec<_>>().join("; ");
+            let mut row = Row::default();
+            row.put("family", "-", "claim or control", *family)
+                .put("claim", "-", "id of the claim", a.claim.as_str())
+                .put("sentence", "-", "what is claimed, in our words", claim.sentence.as_str())
+                .put(
+                    "primary",
+                    "-",
+                    "metric of the endpoint A, by the calibration",
+                    primary.to_string().as_str(),
+                )
+                .number("largest_spacing", "m", "h_max, by which lengths are measured", *largest_spacing)
+                .put("verdict", "-", "by the mechanical rule", a.verdict.to_string().as_str())
+                .count("blocks", "complete blocks", e.blocks as u64)
+                .count("lost_blocks", "blocks dropped because a case in them was lost", a.lost_blocks as u64)
+                .put("effect", "ln N_eff", "mean of d over blocks, positive in PS17's direction", e.effect)
+                .put("sd", "ln N_eff", "standard deviation of d over blocks", e.standard_deviation)
+                .number("confidence", "-", "confidence of the intervals, 1 - 0.05/m", e.confidence)
+                .put("lower_t", "ln N_eff", "lower end of the studentised interval", lower(e.interval_t))
+                .put("upper_t", "ln N_eff", "upper end of the studentised interval", upper(e.interval_t))
+                .put("lower_bca", "ln N_eff", "lower end of the BCa interval", lower(e.interval_bca))
+                .put("upper_bca", "ln N_eff", "upper end of the BCa interval", upper(e.interval_bca))
+                .put("upper_one_sided_t", "ln N_eff", "one-sided 95 % upper bound, studentised", e.upper_t)
+                .put("upper_one_sided_bca", "ln N_eff", "one-sided 95 % upper bound, BCa", e.upper_bca)
+                .put("p", "-", "sign flips or permutations within blocks", e.p_value)
+                .put("p_holm", "-", "adjusted over the family by Holm", e.p_holm)
+                .put("cliffs_delta", "-", "Cliff's delta of the extreme arms, descriptive", e.cliffs_delta)
+                .put(
+                    "checks",
+                    "ln N_eff",
+                    "the effect as measured otherwise, and in how many blocks",
+                    checks.as_str(),
+                )
+                .put("explanation", "-", "the rule that decided, with its numbers", a.explanation.as_str());
+            row
+        });
     Table { name: "claims", rows: rows.collect() }
 }
 

@@ -78,6 +78,11 @@ const TABLE: &[Refused] = &[
     // Claims and what they need.
     refused(
         END,
+        "[[arm]]\nid = \"two\"\n[[control]]\nid = \"c\"\nsentence = \"s\"\nlargest_spacing = 0\ncontrast = { paired = { treated = \"one\", control = \"two\" } }\n",
+        &["`control.0.largest_spacing`", "is 0", "allowed: above 0, at most 1e6"],
+    ),
+    refused(
+        END,
         "[[arm]]\nid = \"two\"\n[[claim]]\nid = \"c\"\nsentence = \"s\"\ncontrast = { paired = { treated = \"one\", control = \"three\" } }\n",
         &["`claim.0.contrast`", "\"three\"", ARMS],
     ),

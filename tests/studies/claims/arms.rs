@@ -12,6 +12,7 @@ pub fn paired() -> Claim {
         id: "coarse-breaks-more".into(),
         sentence: "5k random points break into more pieces than 30k".into(),
         contrast: Contrast::Paired { treated: "5k".into(), control: "30k".into() },
+        largest_spacing: None,
     }
 }
 

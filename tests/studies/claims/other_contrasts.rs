@@ -13,6 +13,7 @@ fn trend() -> Claim {
         id: "homogenised".into(),
         sentence: "more points, fewer cracks".into(),
         contrast: Contrast::Trend { arms },
+        largest_spacing: None,
     }
 }
 
@@ -22,6 +23,7 @@ fn range() -> Claim {
         id: "stencil-ratio".into(),
         sentence: "sensitive to particles per grid stencil".into(),
         contrast: Contrast::Range { arms },
+        largest_spacing: None,
     }
 }
 
@@ -144,6 +146,7 @@ fn weighted_contrast_is_the_difference_of_differences() {
         id: "regular-placement".into(),
         sentence: "random placement breaks more by its irregularity".into(),
         contrast: Contrast::Weighted { weights: weights.map(|(arm, weight)| (arm.into(), weight)).into() },
+        largest_spacing: None,
     };
     let level = |arm: &str| match arm {
         "r5" => 2.0,

@@ -6,7 +6,7 @@ use snowlab_study::spec::study::StudySpec;
 use snowlab_study::sweep::Study;
 use snowlab_study::template::Record;
 
-use super::{Desk, rows, study};
+use super::{Desk, rows};
 
 const SAMPLED: &str = r#"
 [[arm]]
@@ -31,6 +31,11 @@ path = "body.0.stiffness_scale"
 range = [0.5, 2.0]
 scale = "logarithmic"
 "#;
+
+/// The usual study, whose ball names its material.
+fn study(rest: &str) -> String {
+    super::study(rest).replace("[[scene.body]]\n", "[[scene.body]]\nmaterial = { kind = \"snow\" }\n")
+}
 
 /// Rows of `cases.csv` whose response is `truth` of the shares of the factors' ranges, plus noise of a known spread.
 fn table(spec: &StudySpec, noise: f64, truth: impl Fn(&[f64]) -> f64) -> Vec<Record> {

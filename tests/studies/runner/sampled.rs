@@ -3,7 +3,7 @@
 use snowlab_study::spec::scene::{MaterialSpec, VoidSpec};
 use snowlab_study::sweep::Study;
 
-use super::{Desk, rows, study};
+use super::{Desk, rows};
 
 const SAMPLED: &str = r#"
 [[arm]]
@@ -35,6 +35,11 @@ name = "xi"
 path = "body.0.material.hardening"
 range = [5.0, 15.0]
 "#;
+
+/// The usual study, whose ball names its material.
+fn study(rest: &str) -> String {
+    super::study(rest).replace("[[scene.body]]\n", "[[scene.body]]\nmaterial = { kind = \"snow\" }\n")
+}
 
 fn expanded(text: &str) -> Study {
     Study::parse(text, None).unwrap()

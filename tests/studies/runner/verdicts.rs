@@ -73,6 +73,24 @@ fn checks_are_made_of_the_arms_under_them() {
     assert!(!checks("irregular-breaks-more").contains("dt/2"), "the lattice has not been run again");
 }
 
+/// What a claim is measured by may be its own: then it has the numbers of a study that measures all by that.
+#[test]
+fn a_claim_is_measured_by_its_own_spacing() {
+    let rows_by = |measure: &str, claim: &str| {
+        let text = study(ARMS).replace("largest_spacing = 0.05", &format!("largest_spacing = {measure}"));
+        let desk =
+            Desk::with(&[("study.toml", &text.replace("[[claim]]\n", &format!("[[claim]]\n{claim}")))]);
+        desk.expect(0, "run study.toml --jobs 2");
+        desk.expect(0, "report study.toml");
+        let row = rows(&desk.read("results/tiny/claims.csv")).remove(0);
+        ["largest_spacing", "primary", "effect", "checks"].map(|column| row[column].clone())
+    };
+    let by_study = rows_by("0.1", "");
+    assert_eq!(by_study[0], "0.1");
+    assert_eq!(rows_by("0.05", "largest_spacing = 0.1\n"), by_study);
+    assert_ne!(rows_by("0.05", "")[3], by_study[3], "the spacing has a say in this scene");
+}
+
 /// A claim is read under the conditions that have all its arms; each effect is that of the arms' values there.
 #[test]
 fn claims_are_read_under_other_conditions() {

@@ -18,6 +18,9 @@ pub struct Claim {
     pub sentence: String,
     /// What is compared with what.
     pub contrast: Contrast,
+    /// h_max of its arms [m], by which they are measured; `None`: that of the study.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub largest_spacing: Option<f64>,
 }
 
 /// What is compared, on A = ln N_eff per block; positive where PS17 is right.

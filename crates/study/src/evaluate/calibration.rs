@@ -9,6 +9,7 @@ use crate::claims::Calibration;
 use crate::metrics::calibration::STRETCH_RANGE;
 use crate::metrics::{MetricError, breaking_stretch, stretches_agree};
 use crate::results::{Archive, CaseResult};
+use crate::spec::study::MeasureSpec;
 use crate::statistics::median;
 use crate::store::StoreError;
 
@@ -21,7 +22,8 @@ const OVER: f64 = 2.0 * STRETCH_RANGE[1];
 /// Measures each case at each count once.
 pub(super) struct Calibrator<'a> {
     archive: &'a Archive<'a>,
-    known: BTreeMap<(String, usize), Breaking>,
+    /// By key, count and h_max (its bits).
+    known: BTreeMap<(String, usize, u64), Breaking>,
 }
 
 impl<'a> Calibrator<'a> {
@@ -31,7 +33,11 @@ impl<'a> Calibrator<'a> {
 
     /// Compares the arms of a claim by the median over all blocks in which each of them was built, at the count of the
     /// block. What was found comes with it, in words.
-    pub fn calibrate(&mut self, blocks: &BlocksOf) -> Result<(Calibration, String), StoreError> {
+    pub fn calibrate(
+        &mut self,
+        blocks: &BlocksOf,
+        measure: &MeasureSpec,
+    ) -> Result<(Calibration, String), StoreError> {
         let arms = blocks.values().map(Vec::len).max().unwrap_or(0);
         let whole = |block: &&Vec<&CaseResult>| {
             block.len() == arms && block.iter().all(|result| result.record.was_built())
@@ -41,7 +47,7 @@ impl<'a> Calibrator<'a> {
         for block in blocks.values().filter(whole) {
             counts.push(equal_count(block));
             for result in block {
-                match self.breaking(result, equal_count(block))? {
+                match self.breaking(result, equal_count(block), measure)? {
                     Ok(stretch) => stretches.entry(&result.case.arm).or_default().push(stretch),
                     Err(error) => {
                         let (arm, block) = (&result.case.arm, result.case.block);
@@ -75,14 +81,19 @@ impl<'a> Calibrator<'a> {
         ))
     }
 
-    fn breaking(&mut self, result: &CaseResult, count: usize) -> Result<Breaking, StoreError> {
-        let key = (result.key.clone(), count);
+    fn breaking(
+        &mut self,
+        result: &CaseResult,
+        count: usize,
+        measure: &MeasureSpec,
+    ) -> Result<Breaking, StoreError> {
+        let key = (result.key.clone(), count, measure.largest_spacing.to_bits());
         if let Some(known) = self.known.get(&key) {
             return Ok(known.clone());
         }
         let found = match result.case.scene.dimension {
-            3 => breaking_in::<3>(self.archive, result, count)?,
-            _ => breaking_in::<2>(self.archive, result, count)?,
+            3 => breaking_in::<3>(self.archive, result, count, measure)?,
+            _ => breaking_in::<2>(self.archive, result, count, measure)?,
         };
         self.known.insert(key, found.clone());
         Ok(found)
@@ -93,8 +104,9 @@ fn breaking_in<const D: usize>(
     archive: &Archive,
     result: &CaseResult,
     count: usize,
+    measure: &MeasureSpec,
 ) -> Result<Breaking, StoreError> {
-    let start = Start::<D>::read(archive, result)?;
+    let start = Start::<D>::read(archive, result, measure)?;
     Ok(start
         .thinned(result, count)
         .and_then(|(points, masses)| Ok(breaking_stretch(&points, &masses, start.link, 0)?.unwrap_or(OVER))))

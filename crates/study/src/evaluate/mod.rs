@@ -17,6 +17,7 @@ use crate::metrics::Thinning;
 use crate::record::Outcome;
 use crate::results::{Archive, CaseResult};
 use crate::spec::scene::PlacementSpec;
+use crate::spec::study::MeasureSpec;
 use crate::tables::usable;
 
 pub use gates::Gates;
@@ -39,6 +40,8 @@ pub struct Judged {
     pub claim: Claim,
     /// What its endpoint was measured by.
     pub primary: Primary,
+    /// h_max [m], by which lengths are measured.
+    pub largest_spacing: f64,
     /// What the calibration by stretch found, in words.
     pub calibration: String,
     /// What the rule says of it.
@@ -83,8 +86,8 @@ pub fn judge(archive: &Archive, results: &[CaseResult]) -> anyhow::Result<Judgem
     for (family, claims) in [("claim", &spec.claim), ("control", &spec.control)] {
         let mut members = Vec::new();
         for claim in claims {
-            let arms = claim.arms();
-            members.push(Member::observe(archive, results, &arms, &gates, &mut calibrator)?);
+            let measure = measure_of(archive, claim.largest_spacing);
+            members.push(Member::observe(archive, results, &claim.arms(), measure, &gates, &mut calibrator)?);
         }
         let observed: Vec<_> =
             claims.iter().cloned().zip(members.iter().map(|member| member.observations.clone())).collect();
@@ -95,6 +98,7 @@ pub fn judge(archive: &Archive, results: &[CaseResult]) -> anyhow::Result<Judgem
                     family,
                     claim: claim.clone(),
                     primary: member.yardstick.primary,
+                    largest_spacing: member.yardstick.measure.largest_spacing,
                     variations: variations::variations(archive, results, claim, &member)?,
                     calibration: member.calibration,
                     assessment,
@@ -106,12 +110,19 @@ pub fn judge(archive: &Archive, results: &[CaseResult]) -> anyhow::Result<Judgem
     for arms in &spec.density_noise {
         let names = arms.names();
         if names.iter().all(|arm| run.contains(arm)) {
-            let member = Member::observe(archive, results, &names, &gates, &mut calibrator)?;
+            let measure = measure_of(archive, None);
+            let member = Member::observe(archive, results, &names, measure, &gates, &mut calibrator)?;
             let assessment = density_noise(arms, &member.observations)?;
             noise.push(JudgedNoise { arms: arms.clone(), primary: member.yardstick.primary, assessment });
         }
     }
     Ok(Judgement { judged, noise, gates })
+}
+
+/// The study's, with another h_max where a claim has one.
+fn measure_of(archive: &Archive, largest_spacing: Option<f64>) -> MeasureSpec {
+    let measure = archive.study.measure.clone();
+    MeasureSpec { largest_spacing: largest_spacing.unwrap_or(measure.largest_spacing), ..measure }
 }
 
 /// What was observed of a contrast's arms.
@@ -129,19 +140,19 @@ impl Member {
         archive: &Archive,
         results: &[CaseResult],
         arms: &[&str],
+        measure: MeasureSpec,
         gates: &Gates,
         calibrator: &mut Calibrator,
     ) -> anyhow::Result<Self> {
         let blocks = blocks_of(results, |case| arms.iter().find(|arm| **arm == case.case.arm).copied());
-        let (calibration, words) = calibrator.calibrate(&blocks)?;
-        let spacing = archive.study.measure.largest_spacing;
-        let yardstick =
-            Yardstick { primary: calibration.primary(), flood_side: flood_side(&blocks, spacing) };
+        let (calibration, words) = calibrator.calibrate(&blocks, &measure)?;
+        let flood_side = flood_side(&blocks, measure.largest_spacing);
+        let yardstick = Yardstick { measure, primary: calibration.primary(), flood_side };
         let (mut rows, mut checks, mut others) = (Vec::new(), BTreeMap::new(), BTreeMap::new());
         for block in blocks.values() {
             let count = equal_count(block);
             for result in block {
-                let measured = remeasure(archive, result, count, yardstick)?;
+                let measured = remeasure(archive, result, count, &yardstick)?;
                 rows.push(primary_value(result, measured.as_ref()));
                 for (check, value) in measured.iter().flat_map(|m| m.checks) {
                     put(&mut checks, check, arm_value(result, Some(value), true));
@@ -156,7 +167,7 @@ impl Member {
             let Some(under) = archive.study.spec.under(&result.case.arm) else { continue };
             let (Some(check), Some(block)) = (under.check, blocks.get(&result.case.block)) else { continue };
             if arms.contains(&under.arm.as_str()) {
-                let measured = remeasure(archive, result, equal_count(block), yardstick)?;
+                let measured = remeasure(archive, result, equal_count(block), &yardstick)?;
                 let value = primary_value(result, measured.as_ref());
                 put(&mut checks, Check::from(check), ArmValue { arm: under.arm.clone(), ..value });
             }

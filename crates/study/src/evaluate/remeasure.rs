@@ -7,10 +7,11 @@ use crate::claims::{Check, Primary};
 use crate::frames::{Frame, Frames};
 use crate::measure::{Ruler, earlier_frame};
 use crate::metrics::{
-    FloodRaster, FragmentAnalysis, Gate, MetricError, flood_fill, friends_of_friends, mean_over_subsets,
-    thinning,
+    BondGraph, FloodRaster, FragmentAnalysis, Gate, MetricError, flood_fill, friends_of_friends,
+    mean_over_subsets, thinning,
 };
 use crate::results::{Archive, CaseResult};
+use crate::spec::study::MeasureSpec;
 use crate::store::StoreError;
 
 /// What a case says at N*.
@@ -26,8 +27,10 @@ pub struct Remeasured {
 }
 
 /// By what a claim is measured.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Yardstick {
+    /// The study's, with h_max of the claim's arms.
+    pub measure: MeasureSpec,
     /// The metric of the endpoint.
     pub primary: Primary,
     /// Cells of the flood fill [m]: the same for all arms of the claim.
@@ -39,7 +42,7 @@ pub fn remeasure(
     archive: &Archive,
     result: &CaseResult,
     count: usize,
-    yardstick: Yardstick,
+    yardstick: &Yardstick,
 ) -> Result<Option<Remeasured>, StoreError> {
     match result.case.scene.dimension {
         3 => remeasure_in::<3>(archive, result, count, yardstick),
@@ -51,16 +54,15 @@ fn remeasure_in<const D: usize>(
     archive: &Archive,
     result: &CaseResult,
     count: usize,
-    Yardstick { primary, flood_side }: Yardstick,
+    Yardstick { measure: spec, primary, flood_side }: &Yardstick,
 ) -> Result<Option<Remeasured>, StoreError> {
     let Some(metrics) = &result.metrics else { return Ok(None) };
     let frames: Frames<D> = archive.store.case(&result.key).read_frames()?;
-    let spec = &archive.study.measure;
     let ruler = Ruler::new(spec, &result.case.scene, &result.record);
     let thinning = thinning_of(result);
     let by_link =
         |link: f64| move |points: &[Vector<f64, D>], masses: &[f64]| friends_of_friends(points, masses, link);
-    let raster = FloodRaster { side: flood_side, origin: Vector::zeros(), rest_density: ruler.density };
+    let raster = FloodRaster { side: *flood_side, origin: Vector::zeros(), rest_density: ruler.density };
     let by_flood = |points: &[Vector<f64, D>], masses: &[f64]| flood_fill(points, masses, raster);
     let by_primary = |points: &[Vector<f64, D>], masses: &[f64]| match primary {
         Primary::FriendsOfFriends => ruler.fragments(points, masses),
@@ -95,6 +97,15 @@ fn remeasure_in<const D: usize>(
     let all = frames.masses.len();
     let unthinned =
         || number(last, all, &|points, masses| Ok(by_primary(points, masses)?.log_effective_number()));
+    // What is on record is by the study's own h_max.
+    let bonds = || {
+        if spec.largest_spacing == archive.study.measure.largest_spacing {
+            return Ok(metrics.ln_neff_bonds);
+        }
+        let points = |frame: Option<&Frame<D>>| frame.map_or(Vec::new(), Frame::points);
+        let bonds = BondGraph::new(&points(first), ruler.spacing)?;
+        Ok(bonds.analyse(&points(last), &frames.masses)?.fragments.log_effective_number())
+    };
     let measured = (|| -> Result<Remeasured, MetricError> {
         Ok(Remeasured {
             primary: at(last, &by_primary)?,
@@ -103,7 +114,7 @@ fn remeasure_in<const D: usize>(
                 (Check::NoThinning, unthinned()?),
                 (Check::LongLink, at(last, &by_link(3.0 * ruler.spacing))?),
                 (Check::FloodFill, at(last, &by_flood)?),
-                (Check::BondGraph, metrics.ln_neff_bonds),
+                (Check::BondGraph, bonds()?),
                 (Check::EarlierTime, at(earlier, &by_primary)?),
             ],
             others: [

@@ -7,6 +7,7 @@ use crate::frames::{Frame, Frames};
 use crate::measure::Ruler;
 use crate::metrics::{MetricError, thinning};
 use crate::results::{Archive, CaseResult};
+use crate::spec::study::MeasureSpec;
 use crate::store::StoreError;
 
 /// A case at t = 0.
@@ -23,10 +24,10 @@ pub struct Start<const D: usize> {
 pub type Points<const D: usize> = (Vec<Vector<f64, D>>, Vec<f64>);
 
 impl<const D: usize> Start<D> {
-    /// Reads the first frame.
-    pub fn read(archive: &Archive, result: &CaseResult) -> Result<Self, StoreError> {
+    /// Reads the first frame; `measure` is what its link is of.
+    pub fn read(archive: &Archive, result: &CaseResult, measure: &MeasureSpec) -> Result<Self, StoreError> {
         let frames: Frames<D> = archive.store.case(&result.key).read_frames()?;
-        let ruler = Ruler::new(&archive.study.measure, &result.case.scene, &result.record);
+        let ruler = Ruler::new(measure, &result.case.scene, &result.record);
         let points = frames.frames.first().map_or(Vec::new(), Frame::points);
         Ok(Start { points, masses: frames.masses, link: ruler.link })
     }

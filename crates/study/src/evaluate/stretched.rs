@@ -71,7 +71,7 @@ fn curve<const D: usize>(
     let stretches: Vec<f64> = (0..STRETCHES)
         .map(|k| (least * libm::pow(greatest / least, share(k))).clamp(least, greatest))
         .collect();
-    let start = Start::<D>::read(archive, result)?;
+    let start = Start::<D>::read(archive, result, &archive.study.measure)?;
     Ok(start
         .thinned(result, count)
         .and_then(|(points, masses)| stretch_curve(&points, &masses, start.link, 0, &stretches)))

@@ -75,7 +75,7 @@ pub(super) fn variations(
         let mut rows = Vec::new();
         for block in blocks.values() {
             for result in block {
-                let measured = remeasure(archive, result, equal_count(block), member.yardstick)?;
+                let measured = remeasure(archive, result, equal_count(block), &member.yardstick)?;
                 let arm = names[result.case.arm.as_str()].clone();
                 rows.push(ArmValue { arm, ..primary_value(result, measured.as_ref()) });
             }

@@ -23,6 +23,7 @@ pub const RULES: &[(&str, Range)] = &[
     ("measure.min_mass_share", within(0.0, 1.0)),
     ("measure.bodies", at_least(1.0)),
     ("measure.settle_window", NOT_NEGATIVE),
+    ("claim.*.largest_spacing", within(0.0, 1e6).open_below()),
 ];
 
 /// Arms of a study (chosen: far more than a report can show).
@@ -293,6 +294,10 @@ impl StudySpec {
 
     fn check_claim(&self, ids: &Ids, family: &str, number: usize, claim: &Claim) -> Result<(), SpecError> {
         let place = format!("`{family}.{number}.contrast`");
+        if let Some(spacing) = claim.largest_spacing {
+            let key = "claim.*.largest_spacing";
+            check_number(&format!("{family}.{number}.largest_spacing"), key, spacing)?;
+        }
         claim.validate().or_else(|error| refuse(&place, error.to_string()))?;
         claim.arms().into_iter().try_for_each(|id| ids.check(&place, id))?;
         if self.sweep.iter().any(|axis| axis.points() > 1) {
