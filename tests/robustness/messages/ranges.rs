@@ -97,8 +97,13 @@ fn every_number_of_a_scene_keeps_its_range() {
 
 #[test]
 fn every_number_of_a_study_keeps_its_range() {
-    let more = "blocks = 3\n[profile.quick]\nblocks = { first = 1, count = 1 }\n";
-    let text = format!("{STUDY}{more}");
+    let claim = |id: &str| {
+        format!(
+            "[[claim]]\nid = \"{id}\"\nsentence = \"s\"\ncontrast = {{ paired = {{ treated = \"one\", control = \"two\" }} }}\n"
+        )
+    };
+    let profile = "[profile.quick]\nblocks = { first = 1, count = 1 }\n";
+    let text = format!("{STUDY}blocks = 3\n{}{}{profile}", claim("c0"), claim("c1"));
     study(&text).expect("the study is accepted");
     for (key, range) in study_rules::RULES {
         let path = key.replace('*', "1");

@@ -123,10 +123,23 @@ fn a_proposal_is_where_the_wanted_response_is() {
     assert!(told(named("speed", 20.0)).contains("`speed` is 20; allowed: 2 to 12"));
 }
 
+/// A ball beside the other, whose size alone says what N_eff is.
+const SECOND_BALL: &str = r#"
+[[scene.body]]
+region = { kind = "ball", centre = [0.8, 0.3], radius = 0.1 }
+placement = { kind = "random", count = 100 }
+velocity = [0.0, -8.0]
+"#;
+
 /// From a study to a scene that runs, and from targets to a score, by the command alone.
 #[test]
 fn from_a_study_to_a_scene_and_a_score() {
-    let text = study(&SAMPLED.replace("points = 40", "points = 18")).replace("end = 1.0", "end = 2.0");
+    let scale =
+        "name = \"scale\"\npath = \"body.0.stiffness_scale\"\nrange = [0.5, 2.0]\nscale = \"logarithmic\"\n";
+    let size = "name = \"size\"\npath = \"body.1.region.radius\"\nrange = [0.1, 0.2]\n";
+    let text = study(&SAMPLED.replace("points = 40", "points = 18").replace(scale, size))
+        .replace("[[scene.collider]]", &format!("{SECOND_BALL}[[scene.collider]]"))
+        .replace("min_mass_share = 0.01", "min_mass_share = 0.01\nbodies = 2");
     let desk = Desk::with(&[("study.toml", &text)]);
     let told = desk.expect(2, "design study.toml --neff 2 --speed 8");
     assert!(told.contains("cases.csv") && told.contains("run the study"), "{told}");
@@ -137,7 +150,6 @@ fn from_a_study_to_a_scene_and_a_score() {
     let told = desk.expect(2, "design study.toml --neff 1000");
     assert!(told.contains("out of reach") && told.contains("5 to 95 %"), "{told}");
     assert!(desk.expect(2, "design study.toml").contains("--neff NUMBER"), "what is wanted is asked for");
-    // Whatever balls of this size do, the middle of the band can be had.
     let lower: f64 =
         told.split("as a number: ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok()).unwrap();
     let upper: f64 = told.split(" to ").last().and_then(|rest| rest.trim().parse().ok()).unwrap();
@@ -148,7 +160,15 @@ fn from_a_study_to_a_scene_and_a_score() {
     .unwrap();
     assert_eq!(json["arm"], "solid");
     desk.expect(0, "simulate proposed.toml --out frames");
-    assert!(desk.read("proposed.toml").contains("stiffness_scale"), "the factors are set");
+    // Two balls that stay whole have N_eff = (a + b)^2 / (a^2 + b^2) of areas a and b.
+    let area = |radius: f64| radius * radius;
+    let (one, two) = (area(0.25), area(json["factors"]["size"].as_f64().unwrap()));
+    let found = (one + two).powi(2) / (one * one + two * two);
+    assert!((found / wanted - 1.0).abs() < 0.01, "{found} for {wanted}");
+    assert!(
+        desk.read("proposed.toml").contains(&format!("radius = {}", json["factors"]["size"])),
+        "it is set"
+    );
     assert!(
         desk.expect(0, "design study.toml --validation targets.toml --targets 3")
             .contains("3 targets, 8 balls")

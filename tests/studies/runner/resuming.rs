@@ -1,5 +1,6 @@
 //! What has been run is not run again, and gives the same bytes whenever and wherever it runs.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -55,9 +56,11 @@ fn results_do_not_hang_on_the_number_of_jobs() {
     let tables = compared.filter(|(path, _)| path.extension().is_some_and(|ending| ending == "csv"));
     let names: Vec<String> =
         tables.map(|(path, _)| path.file_name().unwrap().display().to_string()).collect();
+    let of_cases = ["cases.csv", "dictionary.csv", "fragments.csv", "frames.csv", "summary.csv"];
+    let of_claims = ["claims.csv", "replicates.csv", "robustness.csv"];
     assert_eq!(
-        names,
-        ["cases.csv", "claims.csv", "dictionary.csv", "fragments.csv", "frames.csv", "summary.csv"]
+        names.into_iter().collect::<BTreeSet<_>>(),
+        [&of_cases[..], &of_claims].concat().into_iter().map(String::from).collect()
     );
 }
 

@@ -26,7 +26,7 @@ range = [2.0, 12.0]
 scale = "logarithmic"
 along = [0.0, -1.0]
 [[sweep.sample.factor]]
-name = "porosity"
+name = "void_porosity"
 path = "body.0.voids.porosity"
 range = [0.05, 0.3]
 arms = ["voids"]
@@ -55,12 +55,12 @@ fn points_fill_the_box_and_are_set() {
         let number = |name: &str| case.number(name).unwrap();
         assert_eq!(case.scene.body[0].velocity, [0.0, -number("speed")]);
         let Some(VoidSpec::Circles(voids)) = &case.scene.body[0].voids else { panic!("voids") };
-        assert_eq!(voids.porosity, number("porosity"));
+        assert_eq!(voids.porosity, number("void_porosity"));
         let MaterialSpec::Snow { hardening, .. } = case.scene.body[0].material else { panic!("snow") };
         assert_eq!(hardening, number("xi"));
     }
     for case in of("solid") {
-        assert_eq!(case.number("porosity"), None, "the factor is of the other arm");
+        assert_eq!(case.number("void_porosity"), None, "the factor is of the other arm");
     }
     assert_eq!(of("apart")[0].point().count(), 0);
     // Of sixteen points of such a sequence one lies in each sixteenth of every factor's range.
@@ -99,7 +99,10 @@ fn factors_are_columns_of_the_tables() {
     let cases = rows(&desk.read("results/tiny/cases.csv"));
     assert_eq!(cases.len(), 5);
     let voids: Vec<_> = cases.iter().filter(|row| row["arm"] == "voids").collect();
-    assert!(voids.iter().all(|row| !row["speed"].is_empty() && !row["porosity"].is_empty()), "{voids:?}");
+    assert!(
+        voids.iter().all(|row| !row["speed"].is_empty() && !row["void_porosity"].is_empty()),
+        "{voids:?}"
+    );
     assert!(!cases[0].contains_key("point"), "the axis itself is no column");
     let summary = rows(&desk.read("results/tiny/summary.csv"));
     assert!(summary[0].contains_key("xi"), "{summary:?}");
