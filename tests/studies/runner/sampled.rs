@@ -10,7 +10,7 @@ const SAMPLED: &str = r#"
 id = "solid"
 [[arm]]
 id = "voids"
-set = { "body.0.voids" = { kind = "circles", mean_radius = 0.1 } }
+set = { "body.0.voids" = { kind = "circles", mean_radius = 0.04, judged_at = 0.01, gap = 0.01 } }
 [[arm]]
 id = "apart"
 [[sweep]]
