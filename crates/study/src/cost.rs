@@ -209,21 +209,24 @@ fn try_out(spec: &SceneSpec, archive: &Archive) -> Result<Trial, SpecError> {
     Ok(Trial { nanoseconds: 1e9 * pace.step / particles, particle_steps: particles * duration / first_step })
 }
 
+/// Extents of the first body's region [m], axis by axis; `None` for a file, whose are not known before it is read.
+pub fn extents(scene: &SceneSpec) -> Option<Vec<f64>> {
+    let spec = scene.body.first()?.region.as_ref()?;
+    match scene.dimension {
+        3 => {
+            region::<3>(spec, "region").map(|r| r.bounding_box()).map(|b| (b.max - b.min).as_slice().to_vec())
+        }
+        _ => {
+            region::<2>(spec, "region").map(|r| r.bounding_box()).map(|b| (b.max - b.min).as_slice().to_vec())
+        }
+    }
+    .ok()
+}
+
 /// R of the first body [m]: half its region's largest extent.
 fn radius(scene: &SceneSpec) -> f64 {
-    let half = |extents: &[f64]| 0.5 * extents.iter().copied().fold(0.0, f64::max);
-    let radius = scene.body[0].region.as_ref().and_then(|spec| match scene.dimension {
-        3 => region::<3>(spec, "region")
-            .map(|r| r.bounding_box())
-            .map(|b| half((b.max - b.min).as_slice()))
-            .ok(),
-        _ => region::<2>(spec, "region")
-            .map(|r| r.bounding_box())
-            .map(|b| half((b.max - b.min).as_slice()))
-            .ok(),
-    });
-    // chosen: a file's extent is not known before it is read.
-    radius.unwrap_or(0.5)
+    // chosen: half a metre for a file.
+    extents(scene).map_or(0.5, |extents| 0.5 * extents.into_iter().fold(0.0, f64::max))
 }
 
 /// Particle-steps without a trial: only their ratios mean something. Particles times time over spacing, which steps go with.

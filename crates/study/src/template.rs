@@ -1,7 +1,8 @@
 //! Pages whose numbers come from tables: Markdown with the markup of minijinja, in which what is not defined is an error.
 //!
 //! A page reads tables by `rows("results/extremes/cases.csv", arm="usual")`, all rows whose columns have these texts, or by `row(...)`, where
-//! there is exactly one. Numbers are written by the filters `figures(n)`, significant digits, and `fixed(n)`, decimals.
+//! there is exactly one. Numbers are written by the filters `figures(n)`, significant digits, and `fixed(n)`, decimals. What words say of numbers is kept
+//! true by `holds(condition, "what is said")`, which writes nothing and refuses the page where the tables say otherwise.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -23,6 +24,7 @@ pub fn engine() -> anyhow::Result<Environment<'static>> {
     engine.set_undefined_behavior(UndefinedBehavior::Strict);
     engine.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
     engine.add_filter("figures", significant);
+    engine.add_filter("exp", |value: f64| libm::exp(value));
     engine.add_filter("fixed", |value: f64, digits: usize| format!("{value:.digits$}"));
     Ok(engine)
 }
@@ -37,6 +39,10 @@ pub fn page(source: &str, root: &Path) -> anyhow::Result<String> {
     let below = folder.clone();
     engine.add_function("rows", move |table: &str, wanted: Kwargs| {
         rows(&below, table, &wanted).map(Value::from)
+    });
+    engine.add_function("holds", |condition: bool, said: &str| {
+        let refusal = || refused(format!("the tables do not bear out \"{said}\"; say what they do"));
+        if condition { Ok("") } else { Err(refusal()) }
     });
     engine.add_function("row", move |table: &str, wanted: Kwargs| {
         match rows(&folder, table, &wanted)?.as_slice() {
@@ -121,6 +127,8 @@ mod tests {
         std::fs::write(folder.path().join("t.csv"), "arm,x\na,1.23456\nb,2\nb,3\n").unwrap();
         let made = |source: &str| page(source, folder.path()).map_err(|error| format!("{error:#}"));
         assert_eq!(made("{{ row('t.csv', arm='a').x | figures(3) }}"), Ok("1.23".into()));
+        assert_eq!(made("{{ holds(row('t.csv', arm='a').x > 1, 'a is over 1') }}so"), Ok("so".into()));
+        assert_eq!(made("{{ (row('t.csv', arm='a').x - 1.23456) | exp | fixed(2) }}"), Ok("1.00".into()));
         assert_eq!(made("{% for r in rows('t.csv', arm='b') %}{{ r.x }};{% endfor %}"), Ok("2;3;".into()));
         for (source, words) in [
             ("{{ row('t.csv', arm='b').x }}", "2 rows"),
@@ -128,6 +136,7 @@ mod tests {
             ("{{ row('t.csv', name='c').x }}", "no column `name`; it has: arm, x"),
             ("{{ row('t.csv', arm='a').y + 1 }}", "undefined"),
             ("{{ rows('u.csv') }}", "cannot read"),
+            ("{{ holds(row('t.csv', arm='a').x > 2, 'a is large') }}", "do not bear out \"a is large\""),
         ] {
             let message = made(source).unwrap_err();
             assert!(message.contains(words), "{source}: {message}");

@@ -44,6 +44,12 @@ pub struct StudySpec {
     /// Pairs of arms that differ by a feature.
     #[serde(default)]
     pub feature: Vec<FeatureSpec>,
+    /// Settings that are learnt from what arms trade.
+    #[serde(default)]
+    pub tradeoff: Option<TradeoffSpec>,
+    /// Arms that are to break alike.
+    #[serde(default)]
+    pub equivalence: Option<EquivalenceSpec>,
     /// Claims judged from the arms: one family.
     #[serde(default)]
     pub claim: Vec<Claim>,
@@ -176,13 +182,38 @@ impl StudySpec {
 }
 
 /// What an arm trades: its error beside another arm with the same particles, for the time it takes.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TradeSpec {
     /// The arm whose results are the truth.
     pub reference: String,
     /// Name of the line in the figure that joins it with its like.
     pub family: String,
+    /// The arm is the reference but for a grid so many times as coarse: it says how far the reference is from the truth, and is no setting.
+    #[serde(default)]
+    pub coarser: Option<f64>,
+}
+
+/// What settings are learnt from, and what they are held against.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TradeoffSpec {
+    /// The axis whose points are scenes.
+    pub axis: String,
+    /// Numbers of the scenes that nothing is learnt from.
+    #[serde(default)]
+    pub held_out: Vec<f64>,
+    /// The study that tells what settings do to fragments, by arms of the same ids.
+    #[serde(default)]
+    pub fragments: Option<String>,
+}
+
+/// Arms whose fragments are held against those of another.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EquivalenceSpec {
+    /// The arm whose fragments are the truth.
+    pub reference: String,
 }
 
 /// Changes that an answer must withstand.

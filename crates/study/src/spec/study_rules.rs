@@ -6,6 +6,7 @@ use super::range::{NOT_NEGATIVE, POSITIVE, Range, Shown, at_least, within};
 use super::sample::{SampleSpec, Scale};
 use super::study::{
     ArmSpec, BlockSpec, DEFAULT_PROFILE, ExpectSpec, FeatureSpec, MeasureSpec, ProfileSpec, SweepSpec,
+    TradeoffSpec,
 };
 use super::{Spec, SpecError, StudySpec, brief};
 use crate::claims::Claim;
@@ -24,6 +25,7 @@ pub const RULES: &[(&str, Range)] = &[
     ("measure.bodies", at_least(1.0)),
     ("measure.settle_window", NOT_NEGATIVE),
     ("claim.*.largest_spacing", within(0.0, 1e6).open_below()),
+    ("arm.*.trade.coarser", within(1.0, 1e3).open_below()),
 ];
 
 /// Arms of a study (chosen: far more than a report can show).
@@ -69,6 +71,8 @@ impl Spec for StudySpec {
         self.check_maps(ids)?;
         self.feature.iter().enumerate().try_for_each(|(n, feature)| self.check_feature(ids, n, feature))?;
         self.noise_floor.iter().try_for_each(|id| ids.check("`noise_floor`", id))?;
+        self.tradeoff.iter().try_for_each(|tradeoff| self.check_tradeoff(tradeoff))?;
+        self.equivalence.iter().try_for_each(|e| ids.check("`equivalence.reference`", &e.reference))?;
         for (family, claims) in [("claim", &self.claim), ("control", &self.control)] {
             claims.iter().enumerate().try_for_each(|(n, claim)| self.check_claim(ids, family, n, claim))?;
         }
@@ -110,6 +114,9 @@ impl StudySpec {
                         arm.id
                     );
                     return refuse(place, message);
+                }
+                if let Some(ratio) = trade.coarser {
+                    check_number(&format!("arm.{number}.trade.coarser"), "arm.*.trade.coarser", ratio)?;
                 }
             }
             // It becomes the name of a file.
@@ -305,6 +312,24 @@ impl StudySpec {
             return refuse(place, message);
         }
         Ok(())
+    }
+
+    fn check_tradeoff(&self, tradeoff: &TradeoffSpec) -> Result<(), SpecError> {
+        let Some(axis) = self.sweep.iter().find(|axis| axis.name == tradeoff.axis) else {
+            let known: Vec<&str> = self.sweep.iter().map(|axis| axis.name.as_str()).collect();
+            let message =
+                format!("is \"{}\"; allowed: an axis of the sweep ({})", tradeoff.axis, known.join(", "));
+            return refuse("`tradeoff.axis`", message);
+        };
+        let numbers = axis.all_numbers();
+        match tradeoff.held_out.iter().find(|number| !numbers.contains(number)) {
+            None => Ok(()),
+            Some(number) => {
+                let message =
+                    format!("has {number}; allowed: numbers of the axis `{}` ({numbers:?})", axis.name);
+                refuse("`tradeoff.held_out`", message)
+            }
+        }
     }
 
     fn check_expect(&self, ids: &Ids, number: usize, expect: &ExpectSpec) -> Result<(), SpecError> {
