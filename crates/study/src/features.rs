@@ -63,8 +63,11 @@ pub fn cost(
     Ok(Cost { times, steps, instructions: instructions(&on.scene).zip(instructions(&off.scene)).map(ratio) })
 }
 
-/// Wall time [s] and steps of a run.
-fn timed(case: &Case, folder: &Path) -> Result<(f64, f64), SpecError> {
+/// Wall time [s] and steps of a run on one thread.
+///
+/// # Errors
+/// A scene that cannot be built.
+pub fn timed(case: &Case, folder: &Path) -> Result<(f64, f64), SpecError> {
     let began = Instant::now();
     let record = match case.scene.dimension {
         3 => run_scene::<3>(&case.scene, folder, 1, &mut Unobserved)?.record,

@@ -75,6 +75,22 @@ const TABLE: &[Refused] = &[
         "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"h\"\npath = \"numerics.spacing\"\nvalues = [0.1, -0.1]\n",
         &["arm `one`", "`numerics.spacing`", "is -0.1"],
     ),
+    // What settings are learnt from.
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[equivalence]\nreference = \"three\"\n",
+        &["`equivalence.reference`", "\"three\"", ARMS],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"speed\"\npath = \"body.0.stiffness_scale\"\nvalues = [1.0, 2.0]\n[tradeoff]\naxis = \"scene\"\n",
+        &["`tradeoff.axis`", "\"scene\"", "an axis of the sweep (speed)"],
+    ),
+    refused(
+        END,
+        "[[arm]]\nid = \"two\"\n[[sweep]]\nname = \"speed\"\npath = \"body.0.stiffness_scale\"\nvalues = [1.0, 2.0]\n[tradeoff]\naxis = \"speed\"\nheld_out = [3.0]\n",
+        &["`tradeoff.held_out`", "has 3", "numbers of the axis `speed` ([1.0, 2.0])"],
+    ),
     // Claims and what they need.
     refused(
         END,

@@ -103,7 +103,11 @@ fn every_number_of_a_study_keeps_its_range() {
         )
     };
     let profile = "[profile.quick]\nblocks = { first = 1, count = 1 }\n";
-    let text = format!("{STUDY}blocks = 3\n{}{}{profile}", claim("c0"), claim("c1"));
+    let text = format!(
+        "{STUDY}blocks = 3\ntrade = {{ reference = \"one\", family = \"f\" }}\n{}{}{profile}",
+        claim("c0"),
+        claim("c1")
+    );
     study(&text).expect("the study is accepted");
     for (key, range) in study_rules::RULES {
         let path = key.replace('*', "1");

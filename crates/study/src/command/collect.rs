@@ -92,6 +92,9 @@ pub fn report(arguments: &StudyArguments) -> anyhow::Result<Exit> {
     if !noise.is_empty() {
         verdicts.push(tables::density_noise(&noise));
     }
+    if let Some(spec) = &study.spec.equivalence {
+        verdicts.push(trade::equivalence(&archive, &results, &spec.reference)?);
+    }
     verdicts.extend(responses(&archive, &results)?);
     write_tables(&archive, &results, &text, &verdicts)?;
     for judged in &judged {

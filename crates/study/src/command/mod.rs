@@ -16,6 +16,7 @@ mod sample;
 mod simulate;
 mod status;
 mod submit;
+mod tradeoff;
 mod verify;
 
 use std::path::PathBuf;
@@ -89,6 +90,8 @@ pub enum Command {
     },
     /// Measure what the features of a study cost and what they do
     Features(features::FeaturesArguments),
+    /// Measure what the settings of a study cost and how far they are off
+    Tradeoff(tradeoff::TradeoffArguments),
     /// Take steps of a scene on one thread and write nothing, for those who count instructions
     #[command(hide = true)]
     Steps {
@@ -156,6 +159,7 @@ impl Command {
             }
             Command::Compare(arguments) => compare::compare(arguments),
             Command::Features(arguments) => features::features(&arguments),
+            Command::Tradeoff(arguments) => tradeoff::tradeoff(&arguments),
             Command::Steps { scene, count, folder } => features::steps(&scene, count, &folder),
             Command::Design(arguments) => design::design(&arguments),
             Command::Page(arguments) => page::page(&arguments),

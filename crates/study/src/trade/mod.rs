@@ -3,10 +3,12 @@
 //! The response to a placement is smooth enough that settings which keep it are compared path by path. The error is the largest of that of the
 //! deformation, of the impulse on obstacles and of the energy lost to plastic flow ([`Errors`]), each at the end of the run.
 
+mod equivalence;
 mod errors;
 mod nearest;
 mod settings;
 
+pub use equivalence::{Comparison, Likeness, compare, equivalence};
 pub use errors::{Errors, Truth};
 pub use settings::settings;
 
@@ -66,7 +68,7 @@ pub fn trades(archive: &Archive, results: &[CaseResult]) -> Result<Vec<Trade>, S
     for group in crate::tables::groups(results) {
         let first = &group[0].case;
         if let Some(trade) = trade_of(&first.arm) {
-            trades.extend(compare(&mut truths, &group, trade)?);
+            trades.extend(compared(&mut truths, &group, trade)?);
         }
     }
     let all = trades.clone();
@@ -131,7 +133,7 @@ fn of_map<'m, const D: usize>(
     Ok(&known[&truth.key])
 }
 
-fn compare(
+fn compared(
     truths: &mut Truths,
     group: &[&CaseResult],
     trade: &TradeSpec,
