@@ -68,9 +68,7 @@ fn remeasure_in<const D: usize>(
         Primary::FriendsOfFriends => ruler.fragments(points, masses),
         Primary::FloodFill => by_flood(points, masses),
     };
-    let number = |frame: Option<&Frame<D>>,
-                  count: usize,
-                  value: &dyn Fn(&[Vector<f64, D>], &[f64]) -> Result<f64, MetricError>| {
+    let number = |frame: Option<&Frame<D>>, count: usize, value: &NumberOf<D>| {
         let points = frame.map_or(Vec::new(), Frame::points);
         let ids: Vec<usize> = (0..points.len()).collect();
         mean_over_subsets(thinning, count, &ids, &points, &frames.masses, value)
@@ -125,6 +123,9 @@ fn remeasure_in<const D: usize>(
     })();
     Ok(measured.ok())
 }
+
+/// A number of positions [m] with masses [kg].
+type NumberOf<'a, const D: usize> = dyn Fn(&[Vector<f64, D>], &[f64]) -> Result<f64, MetricError> + 'a;
 
 /// Fragments of positions [m] with masses [kg].
 trait Measure<const D: usize>: Fn(&[Vector<f64, D>], &[f64]) -> Result<FragmentAnalysis, MetricError> {}

@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn the_nearest_is_that_of_a_search_of_all() {
         // Multiples of irrational numbers fill the square evenly, but for a corner that is left empty.
-        let spread = |k: usize| [0.754_877_67, 0.569_840_3].map(|step: f32| (k as f32 * step).fract());
+        let spread = |k: usize| [0.754_877_7, 0.569_840_3].map(|step: f32| (k as f32 * step).fract());
         let points: Vec<[f32; 2]> = (1..400).map(spread).filter(|p| p[0] + p[1] > 0.5).collect();
         let nearest = Nearest::new(&points, [1.0, 1.0]);
         for x in (1000..1200).map(spread).chain([[0.0, 0.0], [-2.0, 3.0]]) {
