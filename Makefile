@@ -4,7 +4,7 @@ CARGO ?= cargo
 JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 SNOWLAB = $(CARGO) run --locked --release --quiet --bin snowlab --
 
-.PHONY: help study pilot verify test check mutants bench report clean
+.PHONY: help study pilot full quick verify test check mutants bench report clean
 
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -18,6 +18,24 @@ study: ## run the placement comparison; tables, figures and report go to results
 pilot: ## run the pilot that chose the study's speed; its table goes to results/pilot
 	$(SNOWLAB) run studies/pilot.toml --jobs $(JOBS) || [ $$? -eq 3 ]
 	$(SNOWLAB) report studies/pilot.toml
+
+# What docs/findings.md is made of, beside the comparison itself.
+OTHERS = pilot replicates stencil stencil3d knob tradeoff tradeoff-fragments
+
+full: ## run every study of docs/findings.md in full, under 10 h on two cores, and write that page; stopped, it goes on where it was
+	for study in $(OTHERS) placement "placement --profile full"; do \
+		name=$${study%% *}; profile=$${study#$$name}; \
+		$(SNOWLAB) run studies/$$name.toml$$profile --jobs $(JOBS) || [ $$? -eq 3 ] || exit; \
+		$(SNOWLAB) report studies/$$name.toml$$profile || exit; \
+	done
+	$(SNOWLAB) tradeoff studies/tradeoff.toml
+	$(SNOWLAB) page docs/sources/findings.md.jinja -o docs/findings.md
+
+quick: ## run short forms of the same, in minutes; tables, figures and reports go to target/quick
+	for study in $(OTHERS) placement; do \
+		$(SNOWLAB) run studies/$$study.toml --profile quick --jobs $(JOBS) --out target/quick || [ $$? -eq 3 ] || exit; \
+		$(SNOWLAB) report studies/$$study.toml --profile quick --out target/quick || exit; \
+	done
 
 verify: ## show what the solver has been shown to do; docs/verification.md, tables and figures in results/verify
 	$(SNOWLAB) verify --page docs/verification.md
@@ -44,7 +62,7 @@ bench: ## time a step of the solver
 	$(CARGO) bench --locked --workspace
 
 report: ## write the reports of the studies that have been run
-	@for target in study:placement pilot:pilot; do \
+	@for target in study:placement $(OTHERS:%=full:%); do \
 		study=$${target#*:}; \
 		plan=$$($(SNOWLAB) plan --no-trials studies/$$study.toml) || exit; \
 		if echo "$$plan" | grep -q '^finished'; then \

@@ -48,23 +48,26 @@ fn taken(scene: &str, spacing: f64) -> f64 {
 
 #[test]
 fn a_case_takes_what_it_is_said_to_take() {
-    for (dimension, count, spacing, numerics) in [
-        (2, 100_000, 0.0035, "precision = \"f32\""),
-        (3, 100_000, 0.017, "precision = \"f64\"\ntransfer = \"apic\""),
-        (3, 100_000, 0.017, "precision = \"f32\"\ntransfer = \"mls\""),
-        (3, 30_000, 0.026, "precision = \"f32\"\ntransfer = \"mls\""),
+    for (dimension, count, spacing, wider, numerics) in [
+        (2, 100_000, 0.0035, 1.0, "precision = \"f32\""),
+        (3, 100_000, 0.017, 1.0, "precision = \"f64\"\ntransfer = \"apic\""),
+        (3, 100_000, 0.017, 1.0, "precision = \"f32\"\ntransfer = \"mls\""),
+        (3, 30_000, 0.026, 1.0, "precision = \"f32\"\ntransfer = \"mls\""),
         (
             3,
             100_000,
             0.017,
+            1.0,
             "precision = \"f32\"\ntransfer = \"mls\"\nintegrator = { kind = \"semi-implicit\" }",
         ),
-        (2, 1000, 0.02, ""),
+        (2, 1000, 0.02, 1.0, ""),
+        // By the ruler of a grid four times as coarse.
+        (2, 50_000, 0.005, 4.0, "precision = \"f32\""),
     ] {
         let text = scene(dimension, count, &format!("spacing = {spacing}\n{numerics}"));
         let scene_alone = text.replace("[scene]\n", "").replace("[[scene.", "[[").replace("[scene.", "[");
-        let said = of_case(&spec::parse(&scene_alone).unwrap()).unwrap();
-        let taken = taken(&text, spacing);
+        let said = of_case(&spec::parse(&scene_alone).unwrap(), Some(wider * spacing)).unwrap();
+        let taken = taken(&text, wider * spacing);
         println!("{dimension}D, {count} particles: {:.0} MB, said {:.0}", taken / 1e6, said / 1e6);
         assert!(taken / said < 1.5 && said / taken < 1.5, "{taken:e} bytes, said {said:e}");
     }

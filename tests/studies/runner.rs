@@ -17,6 +17,7 @@ mod resuming;
 mod sampled;
 mod scenes;
 mod tables;
+mod tradeoff;
 mod verdicts;
 
 use desk::{ARMS, Desk, SCENE, STOPPING_ARM, rows, study};

@@ -26,9 +26,9 @@ const CHUNK: f64 = 16.0;
 /// Particles to a cell where nothing tells (chosen: what studies have).
 const USUAL_PER_CELL: f64 = 4.0;
 
-/// Bytes that a case of `scene` takes at its peak, the program included; `None` where a file has its particles. Within a factor of 1.5
-/// ([docs/performance.md](../../../docs/performance.md)).
-pub fn of_case(scene: &SceneSpec) -> Option<f64> {
+/// Bytes that a case of `scene` takes at its peak, the program included, where its fragments are measured by `h_max` [m], or by its own spacing; `None` where
+/// a file has its particles. Within a factor of 1.5 ([docs/performance.md](../../../docs/performance.md)).
+pub fn of_case(scene: &SceneSpec, h_max: Option<f64>) -> Option<f64> {
     let particles = particles(scene)?;
     let numerics = &scene.numerics;
     let (d, number) = (scene.dimension as f64, bytes_of_number(scene));
@@ -47,8 +47,9 @@ pub fn of_case(scene: &SceneSpec) -> Option<f64> {
     };
     let particle = particle + padding * tangents * number;
     let nodes = MARGIN * (arrays + fields_of_solve) * 4.0 * number / per_cell;
-    // Pairs within 2 h, four bytes each (metrics/bond_graph.rs): a disc's area or a ball's volume of particles, each pair once.
-    let bonds = 4.0 * 0.5 * per_cell * if scene.dimension == 2 { 4.0 * PI } else { 32.0 / 3.0 * PI };
+    // Pairs within 2 h_max, four bytes each (metrics/bond_graph.rs): a disc's area or a ball's volume of particles, each pair once.
+    let wider = h_max.map_or(1.0, |h_max| libm::pow(h_max / numerics.spacing, d));
+    let bonds = 4.0 * 0.5 * wider * per_cell * if scene.dimension == 2 { 4.0 * PI } else { 32.0 / 3.0 * PI };
     // As they are kept, and as the bytes that a checkpoint or the results have of them.
     let frames = 2.0 * frames(scene) * 4.0 * (d + 1.0);
     // A case is measured when its engine is gone.
@@ -60,7 +61,10 @@ pub fn of_simulation(scene: &SceneSpec) -> Option<f64> {
     // chosen: the longest that a number of 17 digits is written.
     let digits = 21.0;
     // A text grows by doubling.
-    Some(of_case(scene)? + particles(scene)? * fields(scene) * (2.0 * bytes_of_number(scene) + 2.0 * digits))
+    Some(
+        of_case(scene, None)?
+            + particles(scene)? * fields(scene) * (2.0 * bytes_of_number(scene) + 2.0 * digits),
+    )
 }
 
 /// Bytes of a case's row in the tables with its record, and of a row of `frames` with its ledgers (measured: 27 kB a case of four frames, of ten thousand).

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use super::{ARMS, Desk, study};
 
-/// The command in place of the build, in a folder with both studies.
+/// The command in place of the build, in a folder with its studies.
 fn make(desk: &Desk, target: &str) -> (Option<i32>, String) {
     let makefile = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../Makefile");
     let output = Command::new("make")
@@ -23,7 +23,8 @@ fn make(desk: &Desk, target: &str) -> (Option<i32>, String) {
 fn desk() -> Desk {
     let desk = Desk::new();
     std::fs::create_dir(desk.path("studies")).unwrap();
-    for name in ["placement", "pilot"] {
+    let others = ["pilot", "replicates", "stencil", "stencil3d", "knob", "tradeoff", "tradeoff-fragments"];
+    for name in others.into_iter().chain(["placement"]) {
         desk.write(&format!("studies/{name}.toml"), &study(ARMS).replace("\"tiny\"", &format!("{name:?}")));
     }
     desk
@@ -39,5 +40,5 @@ fn reports_are_written_of_what_has_been_run() {
     let (code, printed) = make(&desk, "report");
     assert_eq!(code, Some(0), "{printed}");
     assert!(desk.path("results/placement/report.html").exists(), "{printed}");
-    assert!(printed.contains("pilot has not been run; `make pilot` runs it"), "{printed}");
+    assert!(printed.contains("knob has not been run; `make full` runs it"), "{printed}");
 }

@@ -11,6 +11,7 @@ mod page;
 mod plan;
 mod preflight;
 mod progress;
+mod recommend;
 mod run;
 mod sample;
 mod simulate;
@@ -92,6 +93,8 @@ pub enum Command {
     Features(features::FeaturesArguments),
     /// Measure what the settings of a study cost and how far they are off
     Tradeoff(tradeoff::TradeoffArguments),
+    /// Tell the cheapest setting that is close enough, for a scene of one's own
+    Recommend(recommend::RecommendArguments),
     /// Take steps of a scene on one thread and write nothing, for those who count instructions
     #[command(hide = true)]
     Steps {
@@ -160,6 +163,7 @@ impl Command {
             Command::Compare(arguments) => compare::compare(arguments),
             Command::Features(arguments) => features::features(&arguments),
             Command::Tradeoff(arguments) => tradeoff::tradeoff(&arguments),
+            Command::Recommend(arguments) => recommend::recommend(&arguments),
             Command::Steps { scene, count, folder } => features::steps(&scene, count, &folder),
             Command::Design(arguments) => design::design(&arguments),
             Command::Page(arguments) => page::page(&arguments),

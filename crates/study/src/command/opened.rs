@@ -82,7 +82,8 @@ pub fn use_study(archive: &Archive) -> anyhow::Result<Lock> {
 
 /// Bytes of the largest of the cases of the given numbers.
 pub fn largest(study: &Study, numbers: &[usize]) -> Option<f64> {
-    numbers.iter().filter_map(|&index| memory::of_case(&study.cases[index].scene)).reduce(f64::max)
+    let h_max = Some(study.measure.largest_spacing);
+    numbers.iter().filter_map(|&index| memory::of_case(&study.cases[index].scene, h_max)).reduce(f64::max)
 }
 
 /// Cases of the given numbers at a time, and threads of each, where `jobs` and `threads` are asked for: no more than there is memory for.

@@ -100,7 +100,8 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
         .iter()
         .map(|chunk| chunk.iter().map(|&index| archive.key(index).to_string()).collect())
         .collect();
-    let memory_of = |index: usize| memory::of_case(&study.cases[index].scene).unwrap_or(USUAL_MEMORY);
+    let h_max = Some(study.measure.largest_spacing);
+    let memory_of = |index: usize| memory::of_case(&study.cases[index].scene, h_max).unwrap_or(USUAL_MEMORY);
     let directory = std::env::current_dir()?;
     let program = match &arguments.program {
         Some(program) => program.clone(),

@@ -127,7 +127,7 @@ impl Facts {
             cells_across_bridge: bridge(spec).map(|width| width / h),
             buried,
             presses: presses(scene, latest_end(&spec.output, unit)),
-            memory: memory::of_case(spec),
+            memory: memory::of_case(spec, None),
             memory_free: memory::available(),
         })
     }

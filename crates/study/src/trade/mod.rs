@@ -6,10 +6,12 @@
 mod equivalence;
 mod errors;
 mod nearest;
+mod recommend;
 mod settings;
 
 pub use equivalence::{Comparison, Likeness, compare, equivalence};
 pub use errors::{Errors, Truth};
+pub use recommend::{Binding, Preset, Refusal, Setting, Wanted, recommend};
 pub use settings::settings;
 
 use std::collections::BTreeMap;

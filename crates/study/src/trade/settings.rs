@@ -124,7 +124,7 @@ pub fn settings(
             )
             .number("steps", "-", "mean steps", known.steps)
             .number("iterations", "-", "mean applications of implicit operators", known.iterations)
-            .put("memory", "B", "what the first scene is said to take", memory::of_case(&case.scene))
+            .put("memory", "B", "what the first scene is said to take", memory::of_case(&case.scene, None))
             .count("scenes", "scenes that E is learnt from", known.learnt(tradeoff).count() as u64)
             .count("stopped", "cases that stopped", known.stopped as u64)
             .put("error", "-", "E, geometric mean over scenes", own_limits.map(|limits| limits.mean))
@@ -139,6 +139,12 @@ pub fn settings(
                 "-",
                 "upper 95 % limit in another scene",
                 own_limits.map(|limits| limits.upper),
+            )
+            .put(
+                "error_bound",
+                "-",
+                "that and the error of the reference itself, median over scenes",
+                own_limits.zip(its_error).map(|(limits, its)| limits.upper + its),
             )
             .put(
                 "at_reference",

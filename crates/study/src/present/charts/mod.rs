@@ -6,6 +6,7 @@ mod endpoints;
 mod energies;
 mod maps;
 mod pilot;
+mod response;
 mod stretch;
 mod trade;
 
@@ -14,6 +15,7 @@ pub use pilot::operating_point;
 
 use crate::figure::strips::Summary;
 use crate::measure::Metrics;
+use crate::response::sampled_arms;
 use crate::results::CaseResult;
 use crate::statistics::summarise;
 use crate::tables::{groups, usable};
@@ -32,6 +34,9 @@ pub fn all(findings: Findings) -> anyhow::Result<Vec<Titled>> {
     let trades = trade::charts(findings)?;
     if !trades.is_empty() {
         return Ok(trades);
+    }
+    if !sampled_arms(&findings.archive.study.spec).is_empty() {
+        return response::charts(findings);
     }
     if !findings.archive.study.spec.map.is_empty() {
         return maps::charts(findings);

@@ -1,0 +1,156 @@
+//! `snowlab tradeoff` and `snowlab recommend`: what settings cost and how far they are off, from the cases of a study.
+
+use super::{Desk, rows, study};
+
+/// Three settings of which one is the reference's own, four scenes of which one is held out, and the reference on coarser grids.
+const SETTINGS: &str = r#"
+[tradeoff]
+axis = "scene"
+held_out = [4]
+[[arm]]
+id = "reference"
+set = { "numerics.spacing" = 0.025 }
+[[arm]]
+id = "near"
+set = { "numerics.spacing" = 0.035 }
+trade = { reference = "reference", family = "coarser", coarser = 1.4 }
+[[arm]]
+id = "far"
+set = { "numerics.spacing" = 0.05 }
+trade = { reference = "reference", family = "coarser", coarser = 2.0 }
+[[arm]]
+id = "close"
+set = { "numerics.spacing" = 0.025, "numerics.wave_courant" = 0.2 }
+trade = { reference = "reference", family = "settings" }
+[[arm]]
+id = "cheap"
+set = { "numerics.spacing" = 0.1, "body.0.placement.count" = 100, "numerics.kernel" = "quadratic" }
+trade = { reference = "reference", family = "settings" }
+[[sweep]]
+name = "scene"
+path = "body.0.velocity"
+values = [[0.0, -4.0], [0.0, -6.0], [0.0, -8.0], [2.0, -5.0]]
+numbers = [1, 2, 3, 4]
+"#;
+
+fn desk() -> Desk {
+    let text = study(SETTINGS).replace("kind = \"random\"", "kind = \"lattice\"");
+    let desk = Desk::with(&[("study.toml", &text.replace("end = 1.0", "end = 0.5"))]);
+    desk.expect(0, "run study.toml --jobs 2");
+    desk.expect(0, "report study.toml");
+    desk.expect(0, "tradeoff study.toml --rounds 1");
+    desk
+}
+
+fn number(row: &std::collections::BTreeMap<String, String>, column: &str) -> f64 {
+    row[column].parse().unwrap_or_else(|_| panic!("`{column}` in {row:?}"))
+}
+
+#[test]
+fn settings_have_the_errors_of_their_cases() {
+    let desk = desk();
+    let settings = rows(&desk.read("results/tiny/settings.csv"));
+    assert_eq!(settings.iter().map(|row| row["arm"].as_str()).collect::<Vec<_>>(), ["close", "cheap"]);
+    let trades = rows(&desk.read("results/tiny/trade.csv"));
+    let its_error = {
+        let reference = rows(&desk.read("results/tiny/reference.csv"));
+        assert_eq!(reference.len(), 4);
+        let mut errors: Vec<f64> = reference.iter().map(|row| number(row, "error")).collect();
+        errors.sort_by(f64::total_cmp);
+        0.5 * (errors[1] + errors[2])
+    };
+    for row in &settings {
+        // One block in each scene: the largest of the three is that of the means.
+        let in_scene = |trade: &&std::collections::BTreeMap<String, String>| {
+            ["error_u", "error_impulse", "error_kinetic"]
+                .map(|e| number(trade, e))
+                .into_iter()
+                .fold(0.0, f64::max)
+        };
+        let own: Vec<_> = trades.iter().filter(|trade| trade["arm"] == row["arm"]).collect();
+        let logs: Vec<f64> = own.iter().filter(|t| t["scene"] != "4.0").map(|t| in_scene(t).ln()).collect();
+        assert_eq!(logs.len(), 3);
+        let mean = logs.iter().sum::<f64>() / 3.0;
+        let spread = (logs.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 2.0).sqrt();
+        // t of 2 degrees of freedom at 95 %.
+        let upper = (mean + 2.919_986 * spread * (4.0_f64 / 3.0).sqrt()).exp();
+        assert!((number(row, "error") / mean.exp() - 1.0).abs() < 1e-9, "{row:?}");
+        assert!((number(row, "error_upper") / upper - 1.0).abs() < 1e-5, "{row:?}: {upper}");
+        assert!((number(row, "error_bound") - upper - its_error).abs() < 1e-5 * upper, "{row:?}");
+        let held_out = in_scene(own.iter().find(|trade| trade["scene"] == "4.0").unwrap());
+        assert_eq!(number(row, "held_out_below"), f64::from(u8::from(held_out <= upper)), "{row:?}");
+    }
+    let [close, cheap] = &settings[..] else { panic!("{settings:?}") };
+    assert!(number(close, "error") < number(cheap, "error"), "{settings:?}");
+    assert!(number(close, "cells_across") == 20.0 && number(cheap, "cells_across") == 5.0, "{settings:?}");
+    assert!(close["numerics"].contains("wave_courant = 0.2") && !close["numerics"].contains("spacing"));
+}
+
+#[test]
+fn the_cheapest_that_is_close_enough_is_recommended() {
+    let desk = desk();
+    let settings = rows(&desk.read("results/tiny/settings.csv"));
+    let ask = |code: i32, what: &str| {
+        desk.expect(code, &format!("recommend --settings results/tiny/settings.csv {what}"))
+    };
+    let bounds: Vec<f64> = settings.iter().map(|row| number(row, "error_bound")).collect();
+    let (close, cheap) = (bounds[0].min(bounds[1]), bounds[0].max(bounds[1]));
+    assert!(ask(0, &format!("--error {}", 1.01 * cheap)).contains("nothing: it is the cheapest of all"));
+    assert!(ask(0, &format!("--error {}", 1.01 * close)).contains("close: 20 cells across"));
+    assert!(ask(2, &format!("--error {}", 0.9 * close)).contains("the closest, `close`, keeps it below"));
+    assert!(ask(2, "--spread 0.3").contains("0 settings have been tried on fragments"));
+    assert!(ask(2, "").contains("--error NUMBER, --spread NUMBER or --preset NAME"));
+    assert!(ask(2, "--error 0").contains("--error: allowed: numbers above 0"));
+    // In a scene of one's own, a block 0.4 m by 0.2 m in space.
+    desk.write(
+        "own.toml",
+        "dimension = 3\n[numerics]\nspacing = 0.05\n[[body]]\nregion = { kind = \"box\", centre = [0.0, 0.0, 0.0], half_extent = [0.2, 0.1, 0.1] }\n\
+         placement = { kind = \"lattice\", count = 1024 }\nvelocity = [1.0, 0.0, 0.0]\n[output]\nframe_interval = 0.01\nend = 0.01\n",
+    );
+    let json: serde_json::Value = serde_json::from_str(&ask(
+        0,
+        &format!("--error {} --scene own.toml --write made.toml --json", 1.01 * close),
+    ))
+    .unwrap();
+    assert_eq!(json["set"]["spacing"], 0.01, "20 cells across 0.2 m");
+    // 8 to a cell now; 300 on 78.5 cells in the study.
+    let wanted = number(&settings[0], "particles_per_cell") * 0.016 / 1e-6;
+    let count = json["set"]["count"][0].as_f64().unwrap();
+    assert!((count / wanted - 1.0).abs() < 0.01, "{count} for {wanted}");
+    assert!(json["seconds"].as_f64().unwrap() > 0.0);
+    let made = desk.read("made.toml");
+    assert!(made.contains("wave_courant = 0.2") && made.contains(&format!("count = {count}")), "{made}");
+    desk.expect(0, "simulate made.toml --out frames");
+}
+
+#[test]
+fn what_has_no_settings_says_so() {
+    let plain = Desk::with(&[("study.toml", &study("[[arm]]\nid = \"one\"\n"))]);
+    assert!(plain.expect(2, "tradeoff study.toml").contains("has no [tradeoff]"));
+    let told = plain.expect(2, "recommend --error 0.1");
+    assert!(
+        told.contains("results/tradeoff/settings.csv") && told.contains("run `snowlab tradeoff`"),
+        "{told}"
+    );
+}
+
+/// An arm that is the reference again has its every fragment.
+#[test]
+fn arms_are_held_against_one_by_distribution() {
+    let arms = "[equivalence]\nreference = \"one\"\n[[arm]]\nid = \"one\"\n[[arm]]\nid = \"again\"\n[[arm]]\nid = \"slow\"\n\
+        set = { \"body.0.velocity\" = [0.0, -4.0] }\n";
+    let desk = Desk::with(&[("study.toml", &study(arms).replace("count = 2\n", "count = 5\n"))]);
+    desk.expect(0, "run study.toml --jobs 2");
+    desk.expect(0, "report study.toml");
+    let found = rows(&desk.read("results/tiny/equivalence.csv"));
+    let of = |arm: &str, metric: &str| {
+        found.iter().find(|row| row["arm"] == arm && row["metric"] == metric).unwrap()
+    };
+    let again = of("again", "ln_extent");
+    assert_eq!((number(again, "d"), number(again, "distance")), (0.0, 0.0), "{again:?}");
+    assert_eq!(again["likeness"], "unresolved", "five balls do not show that");
+    let slow = of("slow", "ln_extent");
+    assert_eq!(slow["likeness"], "different", "{slow:?}");
+    assert!(number(slow, "d") < -0.3, "a slower ball is flattened less: {slow:?}");
+    assert!(number(of("slow", "density_map"), "d") > number(of("again", "density_map"), "d"));
+}
