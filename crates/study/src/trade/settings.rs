@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use toml::{Table as Toml, Value};
 
-use super::{Errors, Truths};
+use super::Truths;
 use crate::cost::extents;
 use crate::memory;
 use crate::results::{Archive, CaseResult};
@@ -184,12 +184,12 @@ fn known<'a>(
         let Some(trade) = arm.and_then(|arm| arm.trade.as_ref()) else { continue };
         let (mut errors, mut steps, mut iterations) = (Vec::new(), Vec::new(), Vec::new());
         for result in &group {
-            if let Some((_, found)) = truths.errors(result, &trade.reference)? {
-                let Errors { deformation, impulse, kinetic, .. } = found;
-                errors.push([deformation, impulse, kinetic].into_iter().flatten().fold(0.0, f64::max));
-                steps.push(result.record.steps as f64);
-                iterations.push(result.record.iterations as f64);
-            }
+            let Some((_, found)) = truths.errors(result, &trade.reference)? else { continue };
+            // Where particles are too few to tell the deformation, E is not known.
+            let Some(deformation) = found.deformation else { continue };
+            errors.push([found.impulse, found.kinetic].into_iter().flatten().fold(deformation, f64::max));
+            steps.push(result.record.steps as f64);
+            iterations.push(result.record.iterations as f64);
         }
         if all.last().is_none_or(|last| last.first.case.arm != first.case.arm) {
             let (coarser, errors) = (trade.coarser, Vec::new());
