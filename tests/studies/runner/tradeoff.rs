@@ -123,6 +123,21 @@ fn the_cheapest_that_is_close_enough_is_recommended() {
     let made = desk.read("made.toml");
     assert!(made.contains("wave_courant = 0.2") && made.contains(&format!("count = {count}")), "{made}");
     desk.expect(0, "simulate made.toml --out frames");
+    // Voids and their sizes are the scene's, and a fixed step gives way.
+    desk.write(
+        "voids.toml",
+        "[numerics]\nspacing = 0.02\nfixed_step = 1e-6\n[[body]]\nregion = { kind = \"ball\", centre = [0.0, 0.0], radius = 0.25 }\n\
+         placement = { kind = \"random\", count = 2000 }\nvoids = { kind = \"circles\" }\n[output]\nframe_interval = 0.001\nend = 0.001\n",
+    );
+    ask(0, &format!("--error {} --scene voids.toml --write made.toml", 1.01 * close));
+    let made = desk.read("made.toml");
+    assert!(made.contains("judged_at = 0.02") && !made.contains("fixed_step"), "{made}");
+    desk.write("frame.csv", "x,y\n0,0\n0.1,0\n");
+    desk.write(
+        "file.toml",
+        "[numerics]\nspacing = 0.05\n[[body]]\nplacement = { kind = \"file\", path = \"frame.csv\", filled_volume = 0.01 }\n[output]\nframe_interval = 1.0\nend = 1.0\n",
+    );
+    assert!(ask(2, "--error 100 --scene file.toml").contains("particles of a file stay as they are"));
 }
 
 #[test]

@@ -11,7 +11,6 @@ use super::Advice;
 use crate::pace::STEP_IN_APPLICATIONS;
 use crate::record::RunRecord;
 use crate::run::{Observer, run_scene};
-use crate::spec::scene::{CountSpec, LatticeSpec, PlacementSpec, VoidSpec};
 use crate::spec::{SceneSpec, SpecError};
 
 /// Particles of the coarsest rehearsal, at the least (chosen: a disc of so many has four cells across its radius at four to a cell, and still
@@ -166,33 +165,10 @@ impl Rehearsal {
 /// The scene on a grid so many times as coarse, with as many particles to a cell and the voids it has; `None` for particles of a file. Only its
 /// last frames are kept.
 fn coarsened(spec: &SceneSpec, coarser: usize) -> Option<SceneSpec> {
-    let mut scene = spec.clone();
-    let spacing = scene.numerics.spacing;
-    scene.numerics.spacing *= coarser as f64;
+    let wider = coarser as f64;
+    let mut scene = spec.on_grid(wider * spec.numerics.spacing, wider.powi(-(spec.dimension as i32)))?;
     // Steps as long for their cells.
-    scene.numerics.fixed_step = spec.numerics.fixed_step.map(|dt| dt * coarser as f64);
-    let share = (coarser as f64).powi(-(spec.dimension as i32));
-    for body in &mut scene.body {
-        match &mut body.placement {
-            PlacementSpec::Random(CountSpec { count, .. })
-            | PlacementSpec::PoissonDisk(CountSpec { count, .. })
-            | PlacementSpec::Jittered(LatticeSpec { count, .. })
-            | PlacementSpec::Lattice(LatticeSpec { count, .. }) => {
-                *count = ((*count as f64 * share).round() as usize).max(1);
-            }
-            PlacementSpec::File { .. } => return None,
-        }
-        // Lengths that are left out would grow with the cells.
-        match &mut body.voids {
-            Some(VoidSpec::Circles(field) | VoidSpec::Ellipses(field)) => {
-                field.judged_at.get_or_insert(spacing);
-            }
-            Some(VoidSpec::GaussianField { judged_at, .. }) => {
-                judged_at.get_or_insert(spacing);
-            }
-            None => {}
-        }
-    }
+    scene.numerics.fixed_step = spec.numerics.fixed_step.map(|dt| dt * wider);
     scene.numerics.max_steps = MOST_STEPS;
     scene.output.frame_interval = scene.output.end;
     Some(scene)

@@ -140,32 +140,24 @@ impl Setting {
     }
 
     /// The scene with this setting: its spacing and the rest of its numerics, and as many particles of each body as there are then to a cell, where
-    /// it has so many to a cell now.
+    /// it has so many to a cell now. A fixed step goes, since the setting says how long steps are; voids stay as they are.
     ///
     /// # Errors
     /// A scene whose extent or number of particles is not its own to set.
     pub fn apply(&self, scene: &SceneSpec, particles_per_cell: f64) -> anyhow::Result<Table> {
-        let across = cells_across(scene);
-        anyhow::ensure!(
-            across.is_finite() && scene.body.iter().all(|body| body.placement.count().is_some()),
-            "`body.N.placement`: particles of a file stay as they are; a setting needs a `region` and a `count`"
-        );
-        let finer = self.cells_across / across;
+        let finer = self.cells_across / cells_across(scene);
         let factor = self.particles_per_cell / particles_per_cell * libm::pow(finer, scene.dimension as f64);
-        let mut table = Table::try_from(scene)?;
+        let made = scene.on_grid(rounded(scene.numerics.spacing / finer), factor);
+        let made = made.filter(|_| finer.is_finite()).context(
+            "`body.N.placement`: particles of a file stay as they are; a setting needs a `region` and a `count`",
+        )?;
+        let mut table = Table::try_from(&made)?;
         let numerics =
             table.get_mut("numerics").and_then(Value::as_table_mut).context("a scene has numerics")?;
-        KEYS.iter().for_each(|key| {
-            numerics.remove(*key);
-        });
-        numerics.insert("spacing".into(), Value::Float(rounded(scene.numerics.spacing / finer)));
-        numerics.extend(self.numerics.clone());
-        for body in table.get_mut("body").and_then(Value::as_array_mut).into_iter().flatten() {
-            if let Some(count) = body.get_mut("placement").and_then(|placement| placement.get_mut("count")) {
-                let now = count.as_integer().unwrap_or(0) as f64;
-                *count = Value::Integer((now * factor).round().max(1.0) as i64);
-            }
+        for key in KEYS.into_iter().chain(["fixed_step"]) {
+            numerics.remove(key);
         }
+        numerics.extend(self.numerics.clone());
         Ok(table)
     }
 }

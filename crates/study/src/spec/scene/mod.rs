@@ -49,6 +49,29 @@ pub struct SceneSpec {
     pub output: OutputSpec,
 }
 
+impl SceneSpec {
+    /// The scene on a grid of this spacing [m], with so many times as many particles of each body and the voids it has: lengths that are left out follow
+    /// the spacing it had. `None` where particles come from a file.
+    pub fn on_grid(&self, spacing: f64, factor: f64) -> Option<SceneSpec> {
+        let mut scene = self.clone();
+        scene.numerics.spacing = spacing;
+        for body in &mut scene.body {
+            let count = body.placement.count_mut()?;
+            *count = ((*count as f64 * factor).round() as usize).max(1);
+            match &mut body.voids {
+                Some(VoidSpec::Circles(field) | VoidSpec::Ellipses(field)) => {
+                    field.judged_at.get_or_insert(self.numerics.spacing);
+                }
+                Some(VoidSpec::GaussianField { judged_at, .. }) => {
+                    judged_at.get_or_insert(self.numerics.spacing);
+                }
+                None => {}
+            }
+        }
+        Some(scene)
+    }
+}
+
 /// `dimension` where it is left out.
 fn plane() -> usize {
     2

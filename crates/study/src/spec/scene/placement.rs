@@ -34,6 +34,17 @@ impl PlacementSpec {
             PlacementSpec::File { .. } => None,
         }
     }
+
+    /// [`PlacementSpec::count`], to be changed.
+    pub fn count_mut(&mut self) -> Option<&mut usize> {
+        match self {
+            PlacementSpec::Random(CountSpec { count, .. })
+            | PlacementSpec::PoissonDisk(CountSpec { count, .. })
+            | PlacementSpec::Jittered(LatticeSpec { count, .. })
+            | PlacementSpec::Lattice(LatticeSpec { count, .. }) => Some(count),
+            PlacementSpec::File { .. } => None,
+        }
+    }
 }
 
 /// How many particles.
