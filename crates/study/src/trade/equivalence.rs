@@ -181,15 +181,17 @@ fn map<const D: usize>(archive: &Archive, result: &CaseResult) -> Result<Map, St
     let (Some(first), Some(last)) = (frames.frames.first(), frames.frames.last()) else {
         return Ok(Map::new());
     };
-    let count = first.positions.len().max(1) as f64;
-    let middle: [f64; D] =
-        std::array::from_fn(|k| first.positions.iter().map(|p| f64::from(p[k])).sum::<f64>() / count);
+    let total: f64 = frames.masses.iter().sum();
+    let weighed = |positions: &[[f32; D]], k: usize| -> f64 {
+        positions.iter().zip(&frames.masses).map(|(p, mass)| mass * f64::from(p[k])).sum()
+    };
+    let middle: [f64; D] = std::array::from_fn(|k| weighed(&first.positions, k) / total);
     let square = |p: &[f32; D]| (0..D).map(|k| (f64::from(p[k]) - middle[k]).powi(2)).sum::<f64>();
     let side = first.positions.iter().map(square).fold(0.0, f64::max).sqrt() / MAP_CELLS;
     let mut map = Map::new();
-    for position in &last.positions {
+    for (position, mass) in last.positions.iter().zip(&frames.masses) {
         let cell = (0..D).map(|k| ((f64::from(position[k]) - middle[k]) / side).floor() as i64).collect();
-        *map.entry(cell).or_default() += 1.0 / count;
+        *map.entry(cell).or_default() += mass / total;
     }
     Ok(map)
 }
