@@ -89,86 +89,91 @@ pub fn settings(
     let its_errors: Vec<f64> = reference.rows.iter().filter_map(|row| row.value("error")).collect();
     let its_error = statistics::median(&its_errors);
     let limits: Vec<Option<Limits>> = own.iter().map(|known| Limits::of(known.learnt(tradeoff))).collect();
-    let time = |known: &Known| seconds.get(&known.first.case.arm).copied();
-    let mut rows = Vec::new();
-    for (known, own_limits) in own.iter().zip(&limits) {
-        let beats = |(other, theirs): (&&Known, &Option<Limits>)| -> Option<bool> {
-            Some(time(other)? < time(known)? && theirs.as_ref()?.mean < own_limits.as_ref()?.mean)
+    let all_seconds: Vec<Option<f64>> =
+        own.iter().map(|known| seconds.get(&known.first.case.arm).copied()).collect();
+    let rows = own.iter().zip(&limits).zip(&all_seconds).map(|((known, own_limits), own_seconds)| {
+        let beats = |(theirs, seconds): (&Option<Limits>, &Option<f64>)| -> Option<bool> {
+            Some((*seconds)? < (*own_seconds)? && theirs.as_ref()?.mean < own_limits.as_ref()?.mean)
         };
-        let on_front = own_limits.is_some() && !own.iter().zip(&limits).any(|pair| beats(pair) == Some(true));
-        let held_out: Vec<f64> = tradeoff.held_out.iter().filter_map(|&n| known.in_scene(n)).collect();
-        let within = |limits: &Limits| held_out.iter().filter(|error| **error <= limits.upper).count();
-        let case = &known.first.case;
-        let of_fragments = fragments.iter().filter(|row| row.get("arm") == Some(&case.arm));
+        let is_beaten = limits.iter().zip(&all_seconds).any(|pair| beats(pair) == Some(true));
+        let of_fragments = fragments.iter().filter(|row| row.get("arm") == Some(&known.first.case.arm));
         let spread = of_fragments.filter_map(|row| row.get("d_bound")?.parse::<f64>().ok());
         let mut row = Row::default();
-        row.put("arm", "-", "the setting", case.arm.as_str())
-            .number(
-                "cells_across",
-                "-",
-                "cells across the body, where it is narrowest",
-                cells_across(&case.scene),
-            )
-            .number(
-                "particles_per_cell",
-                "-",
-                "particles to a cell",
-                known.first.record.made.particles_per_cell,
-            )
-            .put("numerics", "-", "its other keys of `numerics`, as TOML", numerics(&case.scene).as_str())
-            .put(
-                "seconds",
-                "s",
-                "median wall time of the first scene on one thread, timed alone",
-                time(known),
-            )
-            .number("steps", "-", "mean steps", known.steps)
-            .number("iterations", "-", "mean applications of implicit operators", known.iterations)
-            .put("memory", "B", "what the first scene is said to take", memory::of_case(&case.scene, None))
-            .count("scenes", "scenes that E is learnt from", known.learnt(tradeoff).count() as u64)
-            .count("stopped", "cases that stopped", known.stopped as u64)
-            .put("error", "-", "E, geometric mean over scenes", own_limits.map(|limits| limits.mean))
-            .put(
-                "error_lower",
-                "-",
-                "lower 95 % limit in another scene",
-                own_limits.map(|limits| limits.lower),
-            )
-            .put(
-                "error_upper",
-                "-",
-                "upper 95 % limit in another scene",
-                own_limits.map(|limits| limits.upper),
-            )
-            .put(
-                "error_bound",
-                "-",
-                "that and the error of the reference itself, median over scenes",
-                own_limits.zip(its_error).map(|(limits, its)| limits.upper + its),
-            )
-            .put(
-                "at_reference",
-                "-",
-                "whether E is within twice the error of the reference itself",
-                Cell::Flag(own_limits.zip(its_error).is_some_and(|(own, its)| own.mean < AT_REFERENCE * its)),
-            )
-            .put("on_front", "-", "no setting is both faster and closer", Cell::Flag(on_front))
-            .count("held_out", "scenes held out", held_out.len() as u64)
-            .count(
-                "held_out_below",
-                "of them with E below the upper limit",
-                own_limits.map_or(0, |l| within(&l)) as u64,
-            )
-            .put("held_out_error", "-", "E in them, geometric mean", geometric_mean(&held_out))
-            .put(
-                "spread",
-                "SD",
-                "greatest 90 % limit of |d| of fragments beside the reference",
-                spread.reduce(f64::max),
-            );
-        rows.push(row);
-    }
-    Ok([Table { name: "settings", rows }, reference])
+        the_setting(&mut row, known);
+        its_cost(&mut row, known, *own_seconds);
+        its_error_columns(&mut row, known, *own_limits, its_error, tradeoff);
+        row.put(
+            "on_front",
+            "-",
+            "no setting is both faster and closer",
+            Cell::Flag(own_limits.is_some() && !is_beaten),
+        )
+        .put(
+            "spread",
+            "SD",
+            "greatest 90 % limit of |d| of fragments beside the reference",
+            spread.reduce(f64::max),
+        );
+        row
+    });
+    Ok([Table { name: "settings", rows: rows.collect() }, reference])
+}
+
+fn the_setting(row: &mut Row, known: &Known) {
+    let case = &known.first.case;
+    row.put("arm", "-", "the setting", case.arm.as_str())
+        .number(
+            "cells_across",
+            "-",
+            "cells across the body, where it is narrowest",
+            cells_across(&case.scene),
+        )
+        .number("particles_per_cell", "-", "particles to a cell", known.first.record.made.particles_per_cell)
+        .put("numerics", "-", "its other keys of `numerics`, as TOML", numerics(&case.scene).as_str());
+}
+
+fn its_cost(row: &mut Row, known: &Known, seconds: Option<f64>) {
+    row.put("seconds", "s", "median wall time of the first scene on one thread, timed alone", seconds)
+        .number("steps", "-", "mean steps", known.steps)
+        .number("iterations", "-", "mean applications of implicit operators", known.iterations)
+        .put(
+            "memory",
+            "B",
+            "what the first scene is said to take",
+            memory::of_case(&known.first.case.scene, None),
+        )
+        .count("stopped", "cases that stopped", known.stopped as u64);
+}
+
+/// E as it was learnt, with its limits in another scene, and beside the scenes that were held out.
+fn its_error_columns(
+    row: &mut Row,
+    known: &Known,
+    limits: Option<Limits>,
+    of_reference: Option<f64>,
+    tradeoff: &TradeoffSpec,
+) {
+    let held_out: Vec<f64> = tradeoff.held_out.iter().filter_map(|&n| known.in_scene(n)).collect();
+    let below = |limits: Limits| held_out.iter().filter(|error| **error <= limits.upper).count();
+    row.count("scenes", "scenes that E is learnt from", known.learnt(tradeoff).count() as u64)
+        .put("error", "-", "E, geometric mean over scenes", limits.map(|limits| limits.mean))
+        .put("error_lower", "-", "lower 95 % limit in another scene", limits.map(|limits| limits.lower))
+        .put("error_upper", "-", "upper 95 % limit in another scene", limits.map(|limits| limits.upper))
+        .put(
+            "error_bound",
+            "-",
+            "that and the error of the reference itself, median over scenes",
+            limits.zip(of_reference).map(|(limits, its)| limits.upper + its),
+        )
+        .put(
+            "at_reference",
+            "-",
+            "whether E is within twice the error of the reference itself",
+            Cell::Flag(limits.zip(of_reference).is_some_and(|(own, its)| own.mean < AT_REFERENCE * its)),
+        )
+        .count("held_out", "scenes held out", held_out.len() as u64)
+        .count("held_out_below", "of them with E below the upper limit", limits.map_or(0, below) as u64)
+        .put("held_out_error", "-", "E in them, geometric mean", geometric_mean(&held_out));
 }
 
 fn known<'a>(
