@@ -1,5 +1,5 @@
-//! What a case will take: particle-steps from earlier results of the same case, or of its arm at its point of the sweep, and time from such cases run on this
-//! machine, or both from a short trial.
+//! What a case will take: particle-steps from earlier results of the same case, of its arm at its point of the sweep, or of its arm at others, and time
+//! from such cases run on this machine, or both from a short trial.
 
 use std::collections::{BTreeMap, HashMap};
 use std::time::{Duration, Instant};
@@ -24,6 +24,8 @@ pub enum Basis {
     Case,
     /// Others of its arm, at its point of the sweep, have.
     Arm,
+    /// Others of its arm have, at other points of the sweep.
+    Sweep,
     /// Nothing like it has: its first step's length.
     FirstStep,
 }
@@ -67,21 +69,25 @@ const WITH_FLIGHT: f64 = 1.25;
 struct Known {
     by_key: HashMap<String, f64>,
     by_place: BTreeMap<String, Vec<f64>>,
+    /// Over the rough ones.
+    over_rough_by_arm: BTreeMap<String, Vec<f64>>,
     /// ns per particle-step on this machine.
     speed_by_place: BTreeMap<String, Vec<f64>>,
+    speed_by_arm: BTreeMap<String, Vec<f64>>,
 }
 
 /// What each of the cases will take that `statuses` are of, in their order.
 pub fn costs(archive: &Archive, statuses: &[Status], effort: Effort) -> Vec<Cost> {
     let known = Known::of(archive, statuses, effort);
-    let all: Vec<f64> = known.speed_by_place.values().flatten().copied().collect();
+    let all: Vec<f64> = known.speed_by_arm.values().flatten().copied().collect();
     let usual = median(&all).unwrap_or(USUAL);
     let mut trials = Trials { archive, time: Duration::ZERO, found: BTreeMap::new(), over_rough: Vec::new() };
     let cost = |status: &Status| {
         let case = &archive.study.cases[status.index];
         let place = place_of(case);
-        let steps = known.steps_of(archive.key(status.index), &place);
-        let speed = known.speed_by_place.get(&place).and_then(|speeds| median(speeds));
+        let steps = known.steps_of(archive.key(status.index), &place, case);
+        let speeds = known.speed_by_place.get(&place).or_else(|| known.speed_by_arm.get(&case.arm));
+        let speed = speeds.and_then(|speeds| median(speeds));
         let is_needed = !status.state.is_done() && (steps.is_none() || speed.is_none());
         let trial = if effort == Effort::Trials && is_needed { trials.of(case, place) } else { None };
         let (particle_steps, basis) = steps.unwrap_or_else(|| {
@@ -117,12 +123,11 @@ impl Known {
         for Status { index, state, particle_steps, manifest, .. } in statuses {
             let Some(steps) = particle_steps.filter(|&steps| steps > 0 && state.is_done()) else { continue };
             let (key, case) = (archive.key(*index), &archive.study.cases[*index]);
-            if known.by_key.insert(key.into(), steps as f64).is_none() {
-                known.by_place.entry(place_of(case)).or_default().push(steps as f64);
-            }
+            known.learn(key, case, steps as f64);
             if let Some(manifest) = manifest.as_ref().filter(|m| m.program.host == here && m.threads == 1) {
                 let speed = 1e9 * manifest.wall_seconds / steps as f64;
                 known.speed_by_place.entry(place_of(case)).or_default().push(speed);
+                known.speed_by_arm.entry(case.arm.clone()).or_default().push(speed);
             }
         }
         known
@@ -131,27 +136,35 @@ impl Known {
     /// The rows of the study's table of cases, such as come with a checkout.
     fn read_table(&mut self, archive: &Archive) {
         let Ok(mut reader) = csv::Reader::from_path(archive.store.root().join("cases.csv")) else { return };
-        let places: HashMap<&str, String> = (0..archive.study.cases.len())
-            .map(|index| (archive.key(index), place_of(&archive.study.cases[index])))
-            .collect();
+        let cases: HashMap<&str, &Case> =
+            archive.study.cases.iter().enumerate().map(|(i, case)| (archive.key(i), case)).collect();
         let rows = reader.deserialize::<HashMap<String, String>>();
         for row in rows.map_while(Result::ok) {
             let Some(key) = row.get("key") else { return };
             let steps = row.get("particle_steps").and_then(|text| text.parse::<f64>().ok());
-            if let (Some(place), Some(steps)) = (places.get(key.as_str()), steps.filter(|steps| *steps > 0.0))
-            {
-                self.by_key.insert(key.clone(), steps);
-                self.by_place.entry(place.clone()).or_default().push(steps);
+            if let (Some(case), Some(steps)) = (cases.get(key.as_str()), steps.filter(|steps| *steps > 0.0)) {
+                self.learn(key, case, steps);
             }
         }
     }
 
-    fn steps_of(&self, key: &str, place: &str) -> Option<(f64, Basis)> {
-        let own = self.by_key.get(key).map(|steps| (*steps, Basis::Case));
-        own.or_else(|| {
-            let others = self.by_place.get(place)?;
-            Some((others.iter().sum::<f64>() / others.len() as f64, Basis::Arm))
-        })
+    fn learn(&mut self, key: &str, case: &Case, steps: f64) {
+        if self.by_key.insert(key.into(), steps).is_none() {
+            self.by_place.entry(place_of(case)).or_default().push(steps);
+            let over_rough = steps / rough_steps(&case.scene);
+            self.over_rough_by_arm.entry(case.arm.clone()).or_default().push(over_rough);
+        }
+    }
+
+    fn steps_of(&self, key: &str, place: &str, case: &Case) -> Option<(f64, Basis)> {
+        if let Some(steps) = self.by_key.get(key) {
+            return Some((*steps, Basis::Case));
+        }
+        if let Some(others) = self.by_place.get(place) {
+            return Some((others.iter().sum::<f64>() / others.len() as f64, Basis::Arm));
+        }
+        let over_rough = median(self.over_rough_by_arm.get(&case.arm)?)?;
+        Some((over_rough * rough_steps(&case.scene), Basis::Sweep))
     }
 }
 
