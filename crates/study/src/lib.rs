@@ -4,6 +4,7 @@
 //! spec -> sweep -> [Case] -> run (assemble, solver) -> frames, record -> measure -> tables -> evaluate, check -> report
 //! ```
 
+pub mod animate;
 pub mod assemble;
 pub mod attempt;
 pub mod case_run;
@@ -13,10 +14,11 @@ pub mod claims;
 pub mod compare;
 pub mod cost;
 pub mod evaluate;
+pub mod export;
 pub mod features;
 pub mod figure;
+pub mod film;
 pub mod fragments_command;
-pub mod frame_csv;
 pub mod frames;
 pub mod garbage;
 pub mod keeper;
@@ -31,6 +33,7 @@ pub mod points;
 pub mod preflight;
 pub mod present;
 pub mod record;
+pub mod render;
 pub mod report;
 pub mod response;
 pub mod results;

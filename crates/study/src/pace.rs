@@ -8,7 +8,7 @@ use snowlab_solver::timestep::step_length;
 use snowlab_solver::{Real, Simulation};
 
 use crate::assemble::{Assembly, Made, assemble};
-use crate::frame_csv::frame_csv;
+use crate::export::{Snapshot, csv_text};
 use crate::spec::scene::PrecisionName;
 use crate::spec::{SceneSpec, SpecError};
 use crate::statistics::median;
@@ -42,7 +42,8 @@ impl<T: Real, const D: usize> Stepper for Simulation<T, D> {
     }
 
     fn frame(&self) -> String {
-        frame_csv(self.state())
+        let scene = self.scene();
+        csv_text(&Snapshot::of_state(self.state(), &scene.materials, scene.spacing.as_f64()))
     }
 }
 

@@ -1,8 +1,10 @@
 //! The subcommands: what they read and what they print.
 
+mod animate;
 mod collect;
 mod compare;
 mod design;
+mod export;
 mod features;
 mod fragments;
 mod gc;
@@ -12,10 +14,12 @@ mod plan;
 mod preflight;
 mod progress;
 mod recommend;
+mod render;
 mod run;
 mod sample;
 mod simulate;
 mod status;
+mod subject;
 mod submit;
 mod tradeoff;
 mod verify;
@@ -70,17 +74,14 @@ pub enum Command {
     },
     /// Tell what a scene will meet, take and not need, before it is run
     Preflight(preflight::PreflightArguments),
-    /// Run one scene and write its frames as CSV
-    Simulate {
-        /// Scene file
-        scene: PathBuf,
-        /// Folder for the frames
-        #[arg(long)]
-        out: PathBuf,
-        /// Threads; all cores if not told. Their number shows in no result
-        #[arg(long)]
-        threads: Option<usize>,
-    },
+    /// Run one scene and write its frames, for this program and for others
+    Simulate(simulate::SimulateArguments),
+    /// Write frames in the formats of other programs
+    Convert(export::ConvertArguments),
+    /// Draw runs side by side as an animated GIF, every fragment in a colour of its own
+    Animate(animate::AnimateArguments),
+    /// Draw frames of a run in space with Mitsuba 3
+    Render(render::RenderArguments),
     /// Place the particles of a scene and write them, without running it
     Sample {
         /// Scene file
@@ -168,7 +169,10 @@ impl Command {
             Command::Design(arguments) => design::design(&arguments),
             Command::Page(arguments) => page::page(&arguments),
             Command::Preflight(arguments) => preflight::look(&arguments),
-            Command::Simulate { scene, out, threads } => simulate::simulate(&scene, &out, threads),
+            Command::Simulate(arguments) => simulate::simulate(&arguments),
+            Command::Animate(arguments) => animate::animate(&arguments),
+            Command::Render(arguments) => render::render(&arguments),
+            Command::Convert(arguments) => export::convert(&arguments),
             Command::Sample { scene, output } => sample::sample(&scene, &output),
             Command::Verify(arguments) => verify::verify(&arguments),
             Command::Fragments { file, link, min_mass_share, json } => {

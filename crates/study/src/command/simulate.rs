@@ -1,38 +1,59 @@
-//! One scene, its frames as CSV in full precision.
+//! One scene: its frames as a film and in the formats of other programs.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
+use clap::Args;
 use snowlab_solver::{Real, Simulation};
-use snowlab_study::frame_csv::frame_csv;
+use snowlab_study::export::{Exporter, SERIES, Snapshot, is_frame_name};
+use snowlab_study::film::{FILM, FilmWriter};
 use snowlab_study::memory;
 use snowlab_study::record::{HistoryRow, Outcome, RunRecord};
 use snowlab_study::run::{Observer, run_scene};
 use snowlab_study::spec::{self, SceneSpec};
-use snowlab_study::store::{StoreError, write_whole};
+use snowlab_study::store::StoreError;
 use snowlab_study::table::{Row, Table};
 use snowlab_study::tables::energies;
 
 use super::Exit;
+use super::export::ExportArguments;
 use super::preflight::warn;
 
-/// Runs the scene on so many threads, all cores if not told; frames, energies and collider forces go to `out`.
-pub fn simulate(path: &Path, out: &Path, threads: Option<usize>) -> anyhow::Result<Exit> {
+/// What to run, and what to write of it.
+#[derive(Debug, Args)]
+pub struct SimulateArguments {
+    /// Scene file
+    scene: PathBuf,
+    /// Folder for the frames
+    #[arg(long)]
+    out: PathBuf,
+    /// Threads; all cores if not told. Their number shows in no result
+    #[arg(long)]
+    threads: Option<usize>,
+    #[command(flatten)]
+    export: ExportArguments,
+}
+
+/// Runs the scene; frames, energies and collider forces go to the folder.
+pub fn simulate(arguments: &SimulateArguments) -> anyhow::Result<Exit> {
+    let SimulateArguments { scene: path, out, threads, export } = arguments;
     let (scene, text) = spec::read::<SceneSpec>(path)?;
-    let threads = threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    export.check(scene.dimension)?;
+    let threads = threads.unwrap_or_else(super::cores);
     let folder = path.parent().unwrap_or(Path::new("."));
     memory::side_by_side(memory::of_simulation(&scene), 1, 1)
         .map_err(|message| anyhow::anyhow!("{}: {message}", path.display()))?;
     warn(&scene, folder).map_err(|error| error.in_text(&text).within(path.display()))?;
-    let mut writer = FrameWriter { out: out.into(), frames: 0, background: Background::new() };
+    let writer = FrameWriter::new(out, export.exporter(out), export.link, &text);
+    let mut observer = Frames { count: 0, background: Background::new(writer) };
     let record = match scene.dimension {
-        3 => run_scene::<3>(&scene, folder, threads, &mut writer).map(|run| run.record),
-        _ => run_scene::<2>(&scene, folder, threads, &mut writer).map(|run| run.record),
+        3 => run_scene::<3>(&scene, folder, threads, &mut observer).map(|run| run.record),
+        _ => run_scene::<2>(&scene, folder, threads, &mut observer).map(|run| run.record),
     };
     let record = record.map_err(|error| error.in_text(&text).within(path.display()))?;
-    let frames = writer.frames;
-    writer.background.end()?;
+    let frames = observer.count;
+    observer.background.end()?.exporter.end()?;
     history(&record).write(out)?;
     println!("{}: {} frames, {} steps, {}", out.display(), frames, record.steps, record.outcome.in_words());
     if let Outcome::Stopped { message, .. } = &record.outcome {
@@ -43,58 +64,88 @@ pub fn simulate(path: &Path, out: &Path, threads: Option<usize>) -> anyhow::Resu
 }
 
 /// Has each frame written as it comes, while the run goes on.
-struct FrameWriter {
-    out: PathBuf,
-    frames: usize,
-    background: Background,
+struct Frames {
+    count: usize,
+    background: Background<FrameWriter>,
 }
 
-impl Observer for FrameWriter {
+impl Observer for Frames {
     fn progress(&mut self, _share: f64, _steps: u64) {}
 
     fn frame<T: Real, const D: usize>(&mut self, simulation: &Simulation<T, D>) {
-        let (out, number, state) = (self.out.clone(), self.frames, simulation.state().clone());
-        self.frames += 1;
-        self.background.add(move || {
-            if number == 0 {
-                clear(&out)?;
-            }
-            write_whole(&out.join(format!("frame-{number:05}.csv")), frame_csv(&state).as_bytes())
+        let (state, scene) = (simulation.state().clone(), simulation.scene());
+        let (materials, spacing) = (scene.materials.clone(), scene.spacing.as_f64());
+        let number = self.count;
+        self.count += 1;
+        self.background.add(move |writer| {
+            let snapshot = Snapshot::of_state(&state, &materials, spacing);
+            drop(state);
+            writer.write(number, snapshot)
         });
     }
 }
 
-type Job = Box<dyn FnOnce() -> Result<(), StoreError> + Send>;
-
-/// A thread that does jobs in the order in which they come.
-struct Background {
-    jobs: SyncSender<Job>,
-    thread: JoinHandle<Result<(), StoreError>>,
+/// Writes frames: the film, and what is exported.
+struct FrameWriter {
+    folder: PathBuf,
+    scene: String,
+    link: Option<f64>,
+    film: Option<FilmWriter>,
+    exporter: Exporter,
 }
 
-impl Background {
-    fn new() -> Self {
+impl FrameWriter {
+    fn new(folder: &Path, exporter: Exporter, link: Option<f64>, scene: &str) -> Self {
+        FrameWriter { folder: folder.into(), scene: scene.into(), link, film: None, exporter }
+    }
+
+    fn write(&mut self, number: usize, mut snapshot: Snapshot) -> anyhow::Result<()> {
+        let film = match &mut self.film {
+            Some(film) => film,
+            None => {
+                clear(&self.folder)?;
+                self.film.insert(FilmWriter::begin(&self.folder.join(FILM), &snapshot, &self.scene)?)
+            }
+        };
+        film.add(&snapshot)?;
+        if self.exporter.tells_fragments() {
+            super::export::find_fragments(&mut snapshot, self.link)?;
+        }
+        Ok(self.exporter.add(number, &snapshot)?)
+    }
+}
+
+type Job<W> = Box<dyn FnOnce(&mut W) -> anyhow::Result<()> + Send>;
+
+/// A thread with something to write with, which does jobs in the order in which they come.
+struct Background<W> {
+    jobs: SyncSender<Job<W>>,
+    thread: JoinHandle<anyhow::Result<W>>,
+}
+
+impl<W: Send + 'static> Background<W> {
+    fn new(mut writer: W) -> Self {
         // A job holds a copy of all particles: whoever brings another one waits.
-        let (jobs, waiting) = sync_channel::<Job>(0);
+        let (jobs, waiting) = sync_channel::<Job<W>>(0);
         // After an error jobs are taken and left, so that nobody waits.
         let thread = std::thread::spawn(move || {
             let mut result = Ok(());
             for job in waiting {
                 if result.is_ok() {
-                    result = job();
+                    result = job(&mut writer);
                 }
             }
-            result
+            result.map(|()| writer)
         });
         Background { jobs, thread }
     }
 
-    fn add(&self, job: impl FnOnce() -> Result<(), StoreError> + Send + 'static) {
+    fn add(&self, job: impl FnOnce(&mut W) -> anyhow::Result<()> + Send + 'static) {
         self.jobs.send(Box::new(job)).expect("the thread takes jobs until the end");
     }
 
     /// Waits for all jobs; the first error of any.
-    fn end(self) -> Result<(), StoreError> {
+    fn end(self) -> anyhow::Result<W> {
         drop(self.jobs);
         self.thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     }
@@ -117,10 +168,9 @@ fn clear(out: &Path) -> Result<(), StoreError> {
     delete().map_err(|source| StoreError::Io { path: out.into(), source })
 }
 
-/// Whether a file's name is one that is written here: `history.csv`, or `frame-`, five digits or more, `.csv`.
+/// Whether a file's name is one that is written here.
 fn is_own(name: &str) -> bool {
-    let number = name.strip_prefix("frame-").and_then(|rest| rest.strip_suffix(".csv"));
-    name == "history.csv" || number.is_some_and(|n| n.len() >= 5 && n.bytes().all(|b| b.is_ascii_digit()))
+    ["history.csv", FILM, SERIES].contains(&name) || is_frame_name(name)
 }
 
 /// `history`: energies, losses, and impulse and mean force on each obstacle, one row a frame.

@@ -12,6 +12,8 @@ pub mod drawing;
 pub mod energy;
 mod error;
 pub mod forest;
+pub mod gif;
+pub mod moving;
 pub mod outcomes;
 mod panel;
 pub mod pilot;

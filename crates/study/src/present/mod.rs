@@ -11,6 +11,7 @@ use crate::report::ReportFigure;
 use crate::results::{Archive, CaseResult};
 use crate::store::write_whole;
 
+pub use obstacles::outline;
 pub use page::Provenance;
 
 /// All that a report is made of.

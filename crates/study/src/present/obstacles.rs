@@ -8,7 +8,7 @@ const FAR: f64 = 1e4;
 const CORNERS: usize = 96;
 
 /// The outline of an obstacle at `time` [s], in the world's coordinates [m].
-pub(super) fn outline(collider: &ColliderSpec, time: f64) -> Vec<[f64; 2]> {
+pub fn outline(collider: &ColliderSpec, time: f64) -> Vec<[f64; 2]> {
     let moved = [0, 1].map(|k| time * collider.velocity.get(k).copied().unwrap_or(0.0));
     let at = |centre: &[f64], offset: [f64; 2]| [0, 1].map(|k| centre[k] + offset[k] + moved[k]);
     match &collider.shape {

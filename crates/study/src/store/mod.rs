@@ -179,6 +179,11 @@ pub struct Asked {
 }
 
 impl CaseFolder {
+    /// A case's folder that is there, wherever its study is.
+    pub fn at(path: &Path) -> Self {
+        CaseFolder { path: path.into() }
+    }
+
     /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
