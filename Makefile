@@ -78,7 +78,7 @@ mutants: ## put known bugs into copies of the code and expect the tests to fail
 bench: ## time a step of the solver
 	$(CARGO) bench --locked --workspace
 
-report: ## write the reports of the studies that have been run
+report: ## write the reports of the studies that have been run, and results/index.html over all of them
 	@for target in study:placement $(OTHERS:%=full:%); do \
 		study=$${target#*:}; \
 		plan=$$($(SNOWLAB) plan --no-trials studies/$$study.toml) || exit; \
@@ -88,6 +88,7 @@ report: ## write the reports of the studies that have been run
 			echo "$$study has not been run; \`make $${target%:*}\` runs it"; \
 		fi; \
 	done
+	@$(SNOWLAB) index studies/*.toml
 
 clean: ## delete the cases of all studies (tables, figures and reports stay) and the build
 	rm -rf results/*/cases results/*/*/cases

@@ -5,6 +5,7 @@ mod drawing;
 mod energy;
 mod forest;
 mod missing;
+mod moment;
 mod outcomes;
 mod pilot;
 mod sizes;

@@ -41,4 +41,9 @@ fn reports_are_written_of_what_has_been_run() {
     assert_eq!(code, Some(0), "{printed}");
     assert!(desk.path("results/placement/report.html").exists(), "{printed}");
     assert!(printed.contains("knob has not been run; `make full` runs it"), "{printed}");
+    let index = desk.read("results/index.html");
+    assert!(
+        index.contains("placement&#x2f;report.html") && index.contains("Without results: knob, pilot"),
+        "{index}"
+    );
 }

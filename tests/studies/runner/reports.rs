@@ -1,6 +1,6 @@
 //! Reports of studies in which there is little or nothing to draw.
 
-use super::{ARMS, Desk, rows, study};
+use super::{ARMS, Desk, STOPPING_ARM, rows, study};
 
 #[test]
 fn a_study_of_one_block_without_claims_has_its_charts() {
@@ -32,4 +32,63 @@ fn a_study_whose_gates_all_fail_has_a_report_without_charts() {
     let printed = desk.expect(0, "report study.toml");
     assert!(!printed.contains("link-curves") && printed.contains("report.html"), "{printed}");
     assert!(desk.read("results/tiny/report.html").contains("metric-invalid"));
+}
+
+/// In space as in the plane: a picture of each arm at each instant, and each says what it shows.
+#[test]
+fn frames_of_every_arm_are_shown() {
+    let space = study(&[ARMS, STOPPING_ARM].concat())
+        .replace("[scene.numerics]", "[scene]\ndimension = 3\n[scene.numerics]")
+        .replace("[0.0, 0.3]", "[0.0, 0.3, 0.0]")
+        .replace("[0.0, -8.0]", "[0.0, -8.0, 0.0]")
+        .replace("[0.0, 0.0]", "[0.0, 0.0, 0.0]")
+        .replace("[0.0, 1.0]", "[0.0, 1.0, 0.0]");
+    for (text, of_space) in [(study(&[ARMS, STOPPING_ARM].concat()), false), (space, true)] {
+        let desk = Desk::with(&[("study.toml", &text)]);
+        desk.expect(3, "run study.toml --jobs 2");
+        desk.expect(0, "report study.toml");
+        let frames = rows(&desk.read("results/tiny/frames.csv"));
+        let first = |arm: &str| frames.iter().filter(|row| row["arm"] == arm && row["block"] == "1").count();
+        let page = desk.read("results/tiny/report.html");
+        assert_eq!(page.matches("<figure class=\"strip\"").count(), 3, "the arm that stopped has none");
+        for arm in ["random", "lattice", "elastic"] {
+            assert!(first(arm) > 2);
+            let said = page.matches(&format!("alt=\"{arm}, ")).count();
+            assert_eq!(said, first(arm), "{arm}: a picture a frame");
+        }
+        assert!(
+            page.contains("0.0 R&#x2f;v after contact: 1 fragment, the largest with 100 % of the mass.\"")
+        );
+        assert_eq!(page.contains("seen along the last axis"), of_space);
+    }
+}
+
+/// Studies without results are named; a file that is no study is an error.
+#[test]
+fn an_index_is_of_what_there_is() {
+    let other = study(ARMS).replace("\"tiny\"", "\"other\"") + "[profile.short]\narms = [\"random\"]\n";
+    let desk =
+        Desk::with(&[("study.toml", &study(ARMS)), ("other.toml", &other), ("broken.toml", "name = 3")]);
+    desk.expect(0, "index study.toml other.toml");
+    assert!(desk.read("results/index.html").contains("Without results: tiny, other."));
+    desk.expect(0, "run other.toml --profile short --jobs 2");
+    desk.expect(0, "index study.toml other.toml");
+    let page = desk.read("results/index.html");
+    assert!(page.contains("No report has been written."), "tables alone");
+    assert!(
+        page.contains("other&#x2f;short&#x2f;cases.csv")
+            && page.contains(", profile short")
+            && page.contains("2 cases")
+    );
+    desk.expect(0, "report other.toml --profile short");
+    desk.expect(0, "index study.toml other.toml");
+    let page = desk.read("results/index.html");
+    assert!(
+        page.contains("href=\"other&#x2f;short&#x2f;report.html\"")
+            && page.contains("Without results: tiny.")
+    );
+    assert!(page.contains("src=\"other&#x2f;short&#x2f;figures&#x2f;"), "a figure");
+    assert!(desk.expect(2, "index broken.toml").contains("broken.toml"));
+    assert!(desk.expect(2, "index absent.toml").contains("absent.toml"));
+    desk.expect(2, "index");
 }

@@ -8,6 +8,7 @@ mod export;
 mod features;
 mod fragments;
 mod gc;
+mod index;
 mod opened;
 mod page;
 mod plan;
@@ -59,6 +60,8 @@ pub enum Command {
     Collect(collect::CollectArguments),
     /// Write tables, figures and report of a study that has been run
     Report(StudyArguments),
+    /// Write `index.html` into the folder of results: every study with its question, verdicts and report
+    Index(index::IndexArguments),
     /// Hold a study's results against the ranges it expects; exit code 1 where one is left
     Check(collect::CollectArguments),
     /// Hold two sets of tables against each other, within tolerances; exit code 1 where they differ
@@ -153,6 +156,7 @@ impl Command {
             Command::Status(arguments) => status::status(&arguments),
             Command::Collect(arguments) => collect::collect(&arguments),
             Command::Report(study) => collect::report(&study),
+            Command::Index(arguments) => index::write(&arguments),
             Command::Check(arguments) => collect::check(&arguments),
             Command::Submit(arguments) => submit::submit(&arguments),
             Command::Gc(arguments) => gc::gc(&arguments),

@@ -5,13 +5,13 @@ use super::axis::{Axis, Scale};
 use super::drawing::{Anchor, Drawing, Rect};
 use super::error::{FigureError, same_length};
 use super::panel::{Panel, draw_title, title_height};
-use super::sheet::{Sheet, filled, stroked};
+use super::sheet::Sheet;
+use super::solids::{draw_solids, foot};
 use super::splats::Splats;
 use super::style::{self, DUST, HEADING, Ink, LABEL, MUTED, TEXT, TICK};
 use super::text::{self, Face};
-use super::window::{in_fragments, inside, window, within};
+use super::window::{in_fragments, inside, window};
 use plotters::chart::LabelAreaPosition;
-use plotters::element::{PathElement, Polygon};
 
 /// Particles at one time.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +57,7 @@ pub struct Snowballs<'a> {
 }
 
 /// Radius of a splat over the mean spacing (chosen: neighbours on a square lattice just overlap).
-const SPLAT: f64 = 0.62;
+pub(super) const SPLAT: f64 = 0.62;
 /// Arms beside each other; more arms start a new pair of rows (chosen: 30,000 particles stay legible).
 const PER_LINE: usize = 4;
 /// Most height of a panel over its width (chosen: a lone piece thrown high must not stretch the page).
@@ -81,7 +81,7 @@ pub fn fragments(figure: &Snowballs<'_>) -> Result<Drawing, FigureError> {
                 let panel = layout.panel(sheet, [column, row])?;
                 layout.splats(&panel, ball.spacing, snapshot, &ink, &order)?;
                 layout.caption(sheet, [column, row], snapshot)?;
-                foreground(&panel, snapshot)?;
+                draw_solids(&panel, snapshot.obstacles)?;
             }
         }
         layout.length_bar(sheet, 30.0)?;
@@ -113,7 +113,7 @@ pub fn plastic_volume(figure: &Snowballs<'_>) -> Result<Drawing, FigureError> {
                 let order = |k: usize| (values[k].abs() * 1e6) as u64;
                 let panel = layout.panel(sheet, [column, row])?;
                 layout.splats(&panel, ball.spacing, snapshot, &ink, &order)?;
-                foreground(&panel, snapshot)?;
+                draw_solids(&panel, snapshot.obstacles)?;
             }
         }
         layout.length_bar(sheet, 74.0)?;
@@ -174,7 +174,8 @@ impl Layout {
         for (row, row_window) in rows.into_iter().enumerate() {
             // A row without particles shows some empty space.
             let (row_low, row_high) = row_window.unwrap_or(([low, 0.0], [high, 0.3 * (high - low)]));
-            let bottom = below(figure, row, [low, high], row_low[1]) - 2.0 * pad;
+            let solids = figure.balls.iter().flat_map(|ball| [ball.before, ball.after][row].obstacles);
+            let bottom = foot(solids, [low, high], row_low[1]) - 2.0 * pad;
             let height = ((row_high[1] + pad - bottom) * scale).ceil().min(TALLEST * panel);
             let left = style::MARGIN + ROW_LABEL;
             areas.push(Rect { left, top, right: left + panel, bottom: top + height });
@@ -339,32 +340,4 @@ impl Layout {
         let words = "compacted below 0, opened above";
         sheet.text(words, [area.right + 120.0, base], TICK, MUTED, Anchor::Start)
     }
-}
-
-/// How far down a row must reach to show the obstacles under its particles, the lowest of which lie at `lowest` [m]: to the top of
-/// a floor; to the foot of what stands free, such as a wedge.
-fn below(figure: &Snowballs<'_>, row: usize, [left, right]: [f64; 2], lowest: f64) -> f64 {
-    let outlines = figure.balls.iter().flat_map(|ball| [ball.before, ball.after][row].obstacles);
-    let under = outlines.filter_map(|outline| {
-        let ([x_low, y_low], [x_high, top]) = window(std::slice::from_ref(outline))?;
-        let stands_free = left < x_low && x_high < right;
-        (top <= lowest).then_some(if stands_free { y_low } else { top })
-    });
-    under.fold(lowest, f64::min)
-}
-
-/// The obstacles in a panel.
-fn foreground(panel: &Panel<'_>, snapshot: &Snapshot<'_>) -> Result<(), FigureError> {
-    for outline in snapshot.obstacles {
-        let seen = within(&[panel.x, panel.y], outline);
-        panel.plot().draw(&Polygon::new(seen.clone(), filled(Ink::hex(0xdfe3e7))))?;
-        // The view cuts the solid, but has no edge of it: what lies along the view's border is not drawn.
-        let cut = |a: f64, b: f64, axis: &Axis| a == b && (a == axis.low || a == axis.high);
-        for (&a, &b) in seen.iter().zip(seen.iter().cycle().skip(1)) {
-            if !cut(a.0, b.0, &panel.x) && !cut(a.1, b.1, &panel.y) {
-                panel.plot().draw(&PathElement::new([a, b], stroked(2.5, TEXT)))?;
-            }
-        }
-    }
-    Ok(())
 }

@@ -51,7 +51,10 @@ pub(super) fn within(axes: &[Axis; 2], polygon: &[[f64; 2]]) -> Vec<(f64, f64)> 
             }
             if (depth(a) < 0.0) != (depth(b) < 0.0) {
                 let share = depth(a) / (depth(a) - depth(b));
-                cut.push([0, 1].map(|k| a[k] + share * (b[k] - a[k])));
+                let mut crossing = [0, 1].map(|k| a[k] + share * (b[k] - a[k]));
+                // To the last bit: who asks what the view has cut compares.
+                crossing[k] = edge;
+                cut.push(crossing);
             }
         }
         kept = cut;

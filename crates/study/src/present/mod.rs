@@ -1,6 +1,8 @@
 //! A study's figures and report, from its results. Nothing here simulates.
 
 mod charts;
+mod listing;
+mod motion;
 mod obstacles;
 mod page;
 mod pictures;
@@ -11,6 +13,7 @@ use crate::report::ReportFigure;
 use crate::results::{Archive, CaseResult};
 use crate::store::write_whole;
 
+pub use listing::listing;
 pub use obstacles::outline;
 pub use page::Provenance;
 
@@ -28,6 +31,9 @@ pub struct Findings<'a> {
     /// The gates that the claims had to pass.
     pub gates: &'a Gates,
 }
+
+/// Colours of a figure in the report (chosen: as many as a palette has; no difference is seen, and the page is half as long).
+const COLOURS: usize = 256;
 
 /// A figure with the words that belong to it.
 struct Titled {
@@ -51,10 +57,11 @@ pub fn present(findings: Findings, provenance: &Provenance) -> anyhow::Result<Ve
     let mut written = Vec::new();
     let mut shown = Vec::new();
     for figure in figures {
-        let png = figure.drawing.png();
+        let image = figure.drawing.paint();
         let name = format!("figures/{}.png", figure.name);
-        write_whole(&root.join(&name), &png)?;
+        write_whole(&root.join(&name), &image.png())?;
         written.push(name);
+        let png = image.indexed_png(COLOURS);
         let Titled { title, caption, alternative, .. } = figure;
         shown.push(ReportFigure { png, title, caption, alternative });
     }

@@ -1,11 +1,11 @@
 //! The report's data from a study's findings.
 
-use crate::claims::{CHECK_BLOCKS, Verdict};
+use crate::claims::{CHECK_BLOCKS, Verdict, smallest_effect};
 use crate::evaluate::{Judged, Kind};
 use crate::outcome_map::{maps, table};
 use crate::record::Outcome;
 use crate::report::{
-    ReportArm, ReportData, ReportError, ReportFact, ReportFailure, ReportFigure, ReportOutcome, ReportTable,
+    EffectSize, ReportArm, ReportData, ReportFact, ReportFailure, ReportFigure, ReportOutcome, ReportTable,
     ReportVerdict, html,
 };
 use crate::results::CaseResult;
@@ -18,6 +18,7 @@ use crate::tables::{self, case_row, groups, usable};
 
 use super::Findings;
 use super::charts::{contrast, operating_point};
+use super::motion::motion;
 
 /// Where the numbers come from.
 #[derive(Clone, Debug)]
@@ -39,11 +40,14 @@ const SUMMARY: [(&str, &str); 6] = [
 ];
 
 /// The page.
+///
+/// # Errors
+/// Frames that cannot be read, and [`crate::report::ReportError`].
 pub fn page(
     findings: Findings,
     provenance: &Provenance,
     figures: Vec<ReportFigure>,
-) -> Result<String, ReportError> {
+) -> anyhow::Result<String> {
     let spec = &findings.archive.study.spec;
     let listed: Vec<CaseResult> = findings.results.iter().filter(|r| !is_mapped(spec, r)).cloned().collect();
     let listed = Findings { results: &listed, ..findings };
@@ -59,7 +63,9 @@ pub fn page(
         caveats,
         arms: arms(listed),
         verdicts: findings.judged.iter().map(|judged| verdict(findings, judged)).collect(),
+        smallest_effect: smallest_effect(),
         figures,
+        motion: motion(listed)?,
         tables: [
             Some(summary(listed)),
             robustness(findings),
@@ -73,7 +79,7 @@ pub fn page(
         failures: failures(listed),
         provenance: facts(findings, provenance),
     };
-    html(&data)
+    Ok(html(&data)?)
 }
 
 /// What the pilot's rule says, where the study is a pilot.
@@ -121,7 +127,7 @@ fn arms(findings: Findings) -> Vec<ReportArm> {
 const SELECTED: f64 = 0.5;
 
 /// Marks an arm whose void fields were accepted less than half the time.
-fn selection(group: &[&crate::results::CaseResult]) -> String {
+fn selection(group: &[&CaseResult]) -> String {
     let draws: usize = group.iter().map(|result| result.record.made.void_draws).sum();
     let bodies: usize =
         group.iter().map(|result| result.case.scene.body.iter().filter(|b| b.voids.is_some()).count()).sum();
@@ -133,7 +139,8 @@ fn selection(group: &[&crate::results::CaseResult]) -> String {
     }
 }
 
-fn name(findings: Findings, result: &crate::results::CaseResult) -> String {
+/// What a case's arm and point of the sweep are called.
+pub(super) fn name(findings: Findings, result: &CaseResult) -> String {
     let point: Vec<String> = result.case.point().map(|(axis, value)| format!(", {axis} {value}")).collect();
     let label = findings.archive.study.label(&result.case.arm);
     let same_label =
@@ -151,16 +158,24 @@ fn verdict(findings: Findings, judged: &Judged) -> ReportVerdict {
         [pair("t", evidence.interval_t), pair("BCa", evidence.interval_bca)].into_iter().flatten().collect();
     let checks: Vec<String> = judged.assessment.checks.iter().map(ToString::to_string).collect();
     let measured = format!("measured by {}; calibration by stretch {}", judged.primary, judged.calibration);
-    let mut conditions =
-        vec![contrast(findings, &judged.claim.contrast), judged.assessment.explanation.clone(), measured];
+    let mut conditions = vec![judged.assessment.explanation.clone(), measured];
     if !checks.is_empty() {
         conditions.push(format!("measured otherwise: {}", checks.join("; ")));
     }
     ReportVerdict {
         claim: judged.claim.id.clone(),
         sentence: judged.claim.sentence.clone(),
+        contrast: contrast(findings, &judged.claim.contrast),
+        size: evidence
+            .effect
+            .zip(evidence.interval_t.or(evidence.interval_bca))
+            .map(|(effect, interval)| EffectSize { effect, lower: interval.lower, upper: interval.upper }),
         effect: evidence.effect.map_or(String::new(), |d| format!("{d:.3} ({:.2}x)", libm::exp(d))),
-        interval: format!("{}; {:.1} %", intervals.join(", "), 100.0 * evidence.confidence),
+        interval: if intervals.is_empty() {
+            String::new()
+        } else {
+            format!("{}; {:.1} %", intervals.join(", "), 100.0 * evidence.confidence)
+        },
         verdict: judged.assessment.verdict.to_string(),
         outcome: match judged.assessment.verdict {
             Verdict::Supported => ReportOutcome::Supported,
@@ -280,7 +295,7 @@ fn plain(title: &str, note: &str, table: &Table) -> Option<ReportTable> {
 }
 
 fn failures(findings: Findings) -> Vec<ReportFailure> {
-    let failed = |result: &crate::results::CaseResult| {
+    let failed = |result: &CaseResult| {
         let clamped = matches!(result.record.outcome, Outcome::OkWithClamps).then(|| {
             format!(
                 "J_P of {} particles met a bound, {} times",
@@ -312,7 +327,7 @@ fn facts(findings: Findings, provenance: &Provenance) -> Vec<ReportFact> {
 }
 
 /// Engines and precisions of the cases, as their scenes name them.
-fn engines(results: &[crate::results::CaseResult]) -> String {
+fn engines(results: &[CaseResult]) -> String {
     let named = results.iter().map(|result| {
         let numerics = &result.case.scene.numerics;
         let engine = match numerics.engine {

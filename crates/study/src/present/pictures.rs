@@ -51,7 +51,7 @@ pub fn snowballs(findings: Findings) -> anyhow::Result<Vec<Titled>> {
         let after = format!("{time:.1} R/v after contact");
         let columns: Vec<Snowball> = balls.iter().map(Ball::column).collect();
         let figure = Snowballs { title: "", balls: &columns, rows: ["before", &after], width: WIDTH };
-        let words = name.replace('-', " ");
+        let words = capitalised(&name.replace('-', " "));
         let counts: Vec<String> = balls
             .iter()
             .map(|b| {
@@ -84,6 +84,12 @@ pub fn snowballs(findings: Findings) -> anyhow::Result<Vec<Titled>> {
         }
     }
     Ok(figures)
+}
+
+/// A title begins with a capital.
+fn capitalised(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 fn ball(findings: Findings, result: &CaseResult) -> anyhow::Result<Ball> {

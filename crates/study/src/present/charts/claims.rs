@@ -44,7 +44,7 @@ pub(super) fn claims(findings: Findings) -> anyhow::Result<Option<Titled>> {
         name: "claims".into(),
         title: "The claims".into(),
         caption: "Effect of each contrast with its simultaneous interval (studentised; BCa for ranges), and the verdict of the mechanical rule.".into(),
-        alternative: "Forest plot of the claims' effects; the numbers are in the table of verdicts.".into(),
+        alternative: "Forest plot of the claims' effects; the numbers are on the cards of the verdicts.".into(),
         drawing,
     }))
 }

@@ -46,6 +46,7 @@ pub fn all(findings: Findings) -> anyhow::Result<Vec<Titled>> {
     }
     let arms = Arms::of(findings);
     let charts = [
+        claims::claims(findings)?,
         endpoints::endpoints(&arms)?,
         endpoints::distributions(&arms)?,
         curves::links(findings, &arms)?,
@@ -53,7 +54,6 @@ pub fn all(findings: Findings) -> anyhow::Result<Vec<Titled>> {
         curves::histories(&arms)?,
         energies::energies(findings)?,
         curves::trend(findings)?,
-        claims::claims(findings)?,
     ];
     Ok(charts.into_iter().flatten().collect())
 }
