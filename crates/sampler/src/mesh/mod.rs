@@ -67,11 +67,11 @@ impl Mesh {
         let mut mesh = Self { tree: Tree::new(corners), volume: volume.abs() };
         let sides = mesh.bounds().max - mesh.bounds().min;
         require(sides.max() >= SMALLEST, "longest side of the mesh", sides.max(), "1e-9 or more")?;
+        mesh.settle_overlaps()?;
         // Rounding of the sum leaves this much of a flat sheet (chosen: far below any solid).
-        if mesh.volume <= 1e-12 * sides.max().powi(3) {
+        if !(mesh.volume > 1e-12 * sides.max().powi(3)) {
             return Err(SamplerError::FlatMesh);
         }
-        mesh.settle_overlaps()?;
         Ok(mesh)
     }
 

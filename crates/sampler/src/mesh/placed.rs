@@ -66,6 +66,11 @@ impl PlacedMesh {
         self.orientation.tr_mul(&(point - self.shift)) / self.scale
     }
 
+    /// The mesh as it is in its own units.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
     /// The smallest box about it along the scene's axes [m].
     pub fn bounds(&self) -> Aabb<3> {
         self.bounds
