@@ -22,7 +22,7 @@ pub fn simulate(path: &Path, out: &Path, threads: Option<usize>) -> anyhow::Resu
     let (scene, text) = spec::read::<SceneSpec>(path)?;
     let threads = threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let folder = path.parent().unwrap_or(Path::new("."));
-    memory::side_by_side(memory::of_simulation(&scene), 1, 1)
+    memory::side_by_side(memory::of_simulation(&scene, folder), 1, 1)
         .map_err(|message| anyhow::anyhow!("{}: {message}", path.display()))?;
     warn(&scene, folder).map_err(|error| error.in_text(&text).within(path.display()))?;
     let mut writer = FrameWriter { out: out.into(), frames: 0, background: Background::new() };
