@@ -1,4 +1,4 @@
-//! Hostile input: valid scenes, studies, points, frames, records and checkpoints, changed at random and on purpose. Every reader takes whatever comes:
+//! Hostile input: valid scenes, studies, points, meshes, frames, records and checkpoints, changed at random and on purpose. Every reader takes whatever comes:
 //! it accepts it and keeps its promises, or refuses it in words that help; no panic, no hang, no memory for what is not there.
 //!
 //! Input `k` of a reader is made from the number `k` alone. A fault names reader and number; a watchdog ends the program where
@@ -16,6 +16,7 @@ mod corpus;
 mod document;
 mod frames;
 mod memory;
+mod meshes;
 mod point_files;
 mod points;
 mod records;

@@ -4,3 +4,6 @@ mod extremes;
 mod hostile;
 mod messages;
 mod points;
+
+#[path = "../meshes/mod.rs"]
+mod made;

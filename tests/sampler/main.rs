@@ -4,6 +4,7 @@ mod errors;
 mod gaussian_field;
 mod heterogeneity;
 mod lattices;
+mod meshes;
 mod placements;
 mod poisson_disk;
 mod quality;
@@ -11,3 +12,6 @@ mod regions;
 mod streams;
 mod support;
 mod void_fields;
+
+#[path = "../meshes/mod.rs"]
+mod made;

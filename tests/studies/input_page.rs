@@ -245,10 +245,10 @@ fn least(shape: &Shape, kind: &str) -> Value {
         Shape::Simple("list of numbers") => Value::Array(vec![Value::Float(1.0), Value::Float(2.0)]),
         Shape::Simple(_) | Shape::List(_) => Value::Array(Vec::new()),
         Shape::Names(names) => Value::String(names[0].clone()),
-        Shape::Table(keys) => required(keys),
+        Shape::Table(keys) => required(keys, ""),
         Shape::Kinds(kinds) => {
             let kind = if kind.is_empty() { kinds.keys().next().expect("a kind") } else { kind };
-            let mut table = required(&kinds[kind]);
+            let mut table = required(&kinds[kind], kind);
             table.as_table_mut().expect("a table").insert("kind".into(), Value::String(kind.into()));
             table
         }
@@ -263,10 +263,11 @@ fn least(shape: &Shape, kind: &str) -> Value {
     }
 }
 
-/// The keys that the page's table with all of these keys requires.
-fn required(keys: &BTreeMap<String, Shape>) -> Value {
+/// The keys that the page's table with all of these keys requires, of the given kind where it has kinds.
+fn required(keys: &BTreeMap<String, Shape>, kind: &str) -> Value {
     let all = [Part::Scene, Part::Study].map(page::tables);
-    let fits = |row: &&Row| row.default == "required" && keys.contains_key(&row.key);
+    let of_kind = |row: &Row| row.kinds.is_empty() || row.kinds.iter().any(|own| own == kind);
+    let fits = |row: &&Row| row.default == "required" && of_kind(row) && keys.contains_key(&row.key);
     let tables = all.iter().flat_map(BTreeMap::values);
     let rows = tables.filter(|rows| keys.keys().all(|key| rows.iter().any(|row| row.key == *key)));
     let wanted: BTreeSet<String> =

@@ -7,6 +7,7 @@ mod heterogeneity;
 mod input_page;
 mod measure;
 mod memory;
+mod meshes;
 mod notation;
 mod pages;
 mod panics;
@@ -18,3 +19,6 @@ mod rollback;
 mod runner;
 mod statistics;
 mod verify;
+
+#[path = "../meshes/mod.rs"]
+mod made;

@@ -1,5 +1,6 @@
 //! What a case is said to take beside what it takes.
 
+use std::path::Path;
 use std::process::Command;
 
 use snowlab_study::memory::{of_case, side_by_side};
@@ -66,7 +67,8 @@ fn a_case_takes_what_it_is_said_to_take() {
     ] {
         let text = scene(dimension, count, &format!("spacing = {spacing}\n{numerics}"));
         let scene_alone = text.replace("[scene]\n", "").replace("[[scene.", "[[").replace("[scene.", "[");
-        let said = of_case(&spec::parse(&scene_alone).unwrap(), Some(wider * spacing)).unwrap();
+        let said =
+            of_case(&spec::parse(&scene_alone).unwrap(), Path::new("."), Some(wider * spacing)).unwrap();
         let taken = taken(&text, wider * spacing);
         println!("{dimension}D, {count} particles: {:.0} MB, said {:.0}", taken / 1e6, said / 1e6);
         assert!(taken / said < 1.5 && said / taken < 1.5, "{taken:e} bytes, said {said:e}");

@@ -37,6 +37,51 @@ pub enum SamplerError {
         /// Largest entry of `|Q^T Q - 1|`.
         defect: f64,
     },
+    /// A triangle of a mesh has a corner that is not there.
+    #[error(
+        "triangle {triangle} (from 0) has vertex {vertex}, but there are {vertices} (from 0); write the mesh again"
+    )]
+    NoSuchVertex {
+        /// Number of the triangle.
+        triangle: usize,
+        /// Number of the vertex.
+        vertex: u32,
+        /// How many there are.
+        vertices: usize,
+    },
+    /// The triangles of a mesh do not close.
+    #[error(
+        "the mesh does not close: {}, the first near {} of the mesh; in Blender's edit mode use Mesh > Clean Up > \
+         Merge by Distance, Mesh > Clean Up > Fill Holes, Mesh > Normals > Recalculate Outside", of_edges(*open, *crowded, *turned), place(at)
+    )]
+    OpenMesh {
+        /// Edges of a single triangle.
+        open: usize,
+        /// Edges of three triangles or more that do not pass them as often in one direction as in the other.
+        crowded: usize,
+        /// Edges of two triangles that pass them in the same direction.
+        turned: usize,
+        /// Middle of the first such edge, in the mesh's own units.
+        at: [f64; 3],
+    },
+    /// The triangles of a mesh enclose nothing.
+    #[error("the mesh encloses no volume; give it a thickness (in Blender: the Solidify modifier)")]
+    FlatMesh,
+    /// A part of a mesh faces the other way.
+    #[error(
+        "{share:.3} of the mesh's volume is enclosed inside out, as near {} of the mesh; in Blender's edit mode use \
+         Mesh > Normals > Recalculate Outside",
+        place(at)
+    )]
+    MeshInsideOut {
+        /// Volume enclosed the wrong way round over that of the whole mesh.
+        share: f64,
+        /// A point in it, in the mesh's own units.
+        at: [f64; 3],
+    },
+    /// A mesh in two dimensions.
+    #[error("a mesh encloses a volume in 3D and no area in 2D; use another region or a scene in 3D")]
+    MeshInPlane,
     /// A union without parts.
     #[error("a union of no regions is empty; give it at least one part")]
     EmptyUnion,
@@ -124,4 +169,23 @@ pub(crate) fn require(
     } else {
         Err(SamplerError::OutOfRange { name, value, allowed })
     }
+}
+
+/// The edges that keep a mesh open, by what is wrong with them.
+fn of_edges(open: usize, crowded: usize, turned: usize) -> String {
+    let kinds = [
+        (open, "of one triangle alone (holes)"),
+        (crowded, "of more than two"),
+        (turned, "of two that face opposite ways"),
+    ];
+    let found = kinds.iter().filter(|(count, _)| *count > 0);
+    let told =
+        found.map(|(count, what)| format!("{count} {} {what}", if *count == 1 { "edge" } else { "edges" }));
+    told.collect::<Vec<_>>().join(", ")
+}
+
+/// A point to six digits.
+fn place(point: &[f64; 3]) -> String {
+    let [x, y, z] = point.map(|c| format!("{c:.5e}").parse().unwrap_or(c));
+    format!("[{x:?}, {y:?}, {z:?}]")
 }

@@ -1,10 +1,11 @@
-//! Where material is: balls, boxes, ellipsoids, unions and differences.
+//! Where material is: balls, boxes, ellipsoids, meshes, unions and differences.
 
 use std::f64::consts::PI;
 
 use snowlab_solver::geometry::{Aabb, Matrix, Vector};
 
 use crate::error::{SamplerError, require};
+use crate::mesh::PlacedMesh;
 
 /// Largest number of cells a volume is counted on. Chosen: a few seconds at most.
 const MOST_CELLS: f64 = 2e8;
@@ -39,6 +40,8 @@ pub enum Region<const D: usize> {
         /// Its own axes, as orthonormal columns.
         orientation: Matrix<f64, D>,
     },
+    /// What a closed surface of triangles encloses, in 3D only.
+    Mesh(PlacedMesh),
     /// Points in any of the parts.
     Union(Vec<Region<D>>),
     /// Points in `solid` but not in `removed`.
@@ -51,13 +54,30 @@ pub enum Region<const D: usize> {
 }
 
 impl<const D: usize> Region<D> {
-    /// Whether `point` [m] belongs to the region, its surface included.
+    /// Whether `point` [m] belongs to the region, its surface included; of the surface of a mesh one side of each pair
+    /// of faces is ([`Mesh`](crate::Mesh)).
     pub fn contains(&self, point: &Vector<f64, D>) -> bool {
-        self.depth(point) >= 0.0
+        self.covers(point, true)
+    }
+
+    /// Whether `point` belongs to the region, with or without its `surface`.
+    fn covers(&self, point: &Vector<f64, D>, surface: bool) -> bool {
+        match self {
+            Self::Mesh(mesh) => mesh.contains(point),
+            Self::Union(parts) => parts.iter().any(|part| part.covers(point, surface)),
+            Self::Difference { solid, removed } => {
+                solid.covers(point, surface) && !removed.covers(point, !surface)
+            }
+            Self::Ball { .. } | Self::Box { .. } | Self::Ellipsoid { .. } => {
+                let depth = self.depth(point);
+                depth > 0.0 || surface && depth == 0.0
+            }
+        }
     }
 
     /// How far `point` lies below the surface [m], negative outside: the distance to the surface for the inside of
-    /// balls and boxes, a lower bound of it for the inside of everything else. Zero exactly on the surface.
+    /// balls, boxes and meshes of one part, a lower bound of it for the inside of everything else. Zero exactly on the
+    /// surface.
     pub fn depth(&self, point: &Vector<f64, D>) -> f64 {
         match self {
             Self::Ball { centre, radius } => radius - (point - centre).norm(),
@@ -69,6 +89,7 @@ impl<const D: usize> Region<D> {
                 let local = orientation.tr_mul(&(point - centre));
                 semi_axes.min() * (1.0 - local.component_div(semi_axes).norm())
             }
+            Self::Mesh(mesh) => mesh.depth(point),
             Self::Union(parts) => {
                 parts.iter().map(|part| part.depth(point)).fold(f64::NEG_INFINITY, f64::max)
             }
@@ -89,6 +110,11 @@ impl<const D: usize> Region<D> {
                 let scaled =
                     Matrix::<f64, D>::from_fn(|row, column| orientation[(row, column)] * semi_axes[column]);
                 around(centre, Vector::<f64, D>::from_fn(|row, _| scaled.row(row).norm()))
+            }
+            Self::Mesh(mesh) => {
+                let Aabb { min, max } = mesh.bounds();
+                let own = |corner: Vector<f64, 3>| Vector::<f64, D>::from_fn(|axis, _| corner[axis]);
+                Aabb { min: own(min), max: own(max) }
             }
             Self::Union(parts) => {
                 let nothing = Aabb {
@@ -118,6 +144,7 @@ impl<const D: usize> Region<D> {
             Self::Ball { radius, .. } => Ok(unit_ball * (0..D).map(|_| radius).product::<f64>()),
             Self::Box { half_extent, .. } => Ok(half_extent.map(|half| 2.0 * half).product()),
             Self::Ellipsoid { semi_axes, .. } => Ok(unit_ball * semi_axes.product()),
+            Self::Mesh(mesh) => Ok(mesh.volume()),
             Self::Union(_) | Self::Difference { .. } => self.counted_volume(raster),
         }
     }
@@ -156,7 +183,8 @@ impl<const D: usize> Region<D> {
     ///
     /// # Errors
     /// [`SamplerError::OutOfRange`] for a length that is not positive or a coordinate that is not finite,
-    /// [`SamplerError::Orientation`], [`SamplerError::EmptyUnion`], [`SamplerError::NestedTooDeep`].
+    /// [`SamplerError::Orientation`], [`SamplerError::MeshInPlane`], [`SamplerError::EmptyUnion`],
+    /// [`SamplerError::NestedTooDeep`].
     pub fn validate(&self) -> Result<(), SamplerError> {
         self.validate_level(1)
     }
@@ -181,6 +209,9 @@ impl<const D: usize> Region<D> {
                 semi_axes.iter().try_for_each(|&axis| positive("semi-axis of an ellipsoid [m]", axis))?;
                 orthonormal("ellipsoid", orientation)
             }
+            // It was checked when it was made.
+            Self::Mesh(_) if D == 3 => Ok(()),
+            Self::Mesh(_) => Err(SamplerError::MeshInPlane),
             Self::Union(parts) if parts.is_empty() => Err(SamplerError::EmptyUnion),
             Self::Union(parts) => parts.iter().try_for_each(|part| part.validate_level(level + 1)),
             Self::Difference { solid, removed } => {
@@ -200,7 +231,10 @@ fn finite<const D: usize>(name: &'static str, centre: &Vector<f64, D>) -> Result
     centre.iter().try_for_each(|&value| require(value.abs() <= 1e6, name, value, "-1e6 to 1e6"))
 }
 
-fn orthonormal<const D: usize>(shape: &'static str, axes: &Matrix<f64, D>) -> Result<(), SamplerError> {
+pub(crate) fn orthonormal<const D: usize>(
+    shape: &'static str,
+    axes: &Matrix<f64, D>,
+) -> Result<(), SamplerError> {
     let defect = (axes.tr_mul(axes) - Matrix::<f64, D>::identity()).abs().max();
     if axes.iter().all(|entry| entry.is_finite()) && defect <= 1e-9 {
         Ok(())

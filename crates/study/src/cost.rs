@@ -2,6 +2,7 @@
 //! from such cases run on this machine, or both from a short trial.
 
 use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
@@ -11,7 +12,7 @@ use crate::attempt::host;
 use crate::pace::{Started, pace, start};
 use crate::plan::Status;
 use crate::results::Archive;
-use crate::spec::scene::{EndFrom, TimeUnit};
+use crate::spec::scene::{EndFrom, RegionSpec, TimeUnit};
 use crate::spec::{SceneSpec, SpecError};
 use crate::statistics::median;
 use crate::sweep::Case;
@@ -85,13 +86,14 @@ pub fn costs(archive: &Archive, statuses: &[Status], effort: Effort) -> Vec<Cost
     let cost = |status: &Status| {
         let case = &archive.study.cases[status.index];
         let place = place_of(case);
-        let steps = known.steps_of(archive.key(status.index), &place, case);
+        let steps = known.steps_of(archive.key(status.index), &place, case, archive.folder);
         let speeds = known.speed_by_place.get(&place).or_else(|| known.speed_by_arm.get(&case.arm));
         let speed = speeds.and_then(|speeds| median(speeds));
         let is_needed = !status.state.is_done() && (steps.is_none() || speed.is_none());
         let trial = if effort == Effort::Trials && is_needed { trials.of(case, place) } else { None };
         let (particle_steps, basis) = steps.unwrap_or_else(|| {
-            let steps = trial.map_or_else(|| rough_steps(&case.scene), |trial| trial.particle_steps);
+            let steps =
+                trial.map_or_else(|| rough_steps(&case.scene, archive.folder), |trial| trial.particle_steps);
             (steps, Basis::FirstStep)
         });
         let speed = speed.or(trial.map(|trial| trial.nanoseconds * CASE_OVER_TRIAL)).unwrap_or(usual);
@@ -123,7 +125,7 @@ impl Known {
         for Status { index, state, particle_steps, manifest, .. } in statuses {
             let Some(steps) = particle_steps.filter(|&steps| steps > 0 && state.is_done()) else { continue };
             let (key, case) = (archive.key(*index), &archive.study.cases[*index]);
-            known.learn(key, case, steps as f64);
+            known.learn(key, case, steps as f64, archive.folder);
             if let Some(manifest) = manifest.as_ref().filter(|m| m.program.host == here && m.threads == 1) {
                 let speed = 1e9 * manifest.wall_seconds / steps as f64;
                 known.speed_by_place.entry(place_of(case)).or_default().push(speed);
@@ -143,20 +145,20 @@ impl Known {
             let Some(key) = row.get("key") else { return };
             let steps = row.get("particle_steps").and_then(|text| text.parse::<f64>().ok());
             if let (Some(case), Some(steps)) = (cases.get(key.as_str()), steps.filter(|steps| *steps > 0.0)) {
-                self.learn(key, case, steps);
+                self.learn(key, case, steps, archive.folder);
             }
         }
     }
 
-    fn learn(&mut self, key: &str, case: &Case, steps: f64) {
+    fn learn(&mut self, key: &str, case: &Case, steps: f64, folder: &Path) {
         if self.by_key.insert(key.into(), steps).is_none() {
             self.by_place.entry(place_of(case)).or_default().push(steps);
-            let over_rough = steps / rough_steps(&case.scene);
+            let over_rough = steps / rough_steps(&case.scene, folder);
             self.over_rough_by_arm.entry(case.arm.clone()).or_default().push(over_rough);
         }
     }
 
-    fn steps_of(&self, key: &str, place: &str, case: &Case) -> Option<(f64, Basis)> {
+    fn steps_of(&self, key: &str, place: &str, case: &Case, folder: &Path) -> Option<(f64, Basis)> {
         if let Some(steps) = self.by_key.get(key) {
             return Some((*steps, Basis::Case));
         }
@@ -164,7 +166,7 @@ impl Known {
             return Some((others.iter().sum::<f64>() / others.len() as f64, Basis::Arm));
         }
         let over_rough = median(self.over_rough_by_arm.get(&case.arm)?)?;
-        Some((over_rough * rough_steps(&case.scene), Basis::Sweep))
+        Some((over_rough * rough_steps(&case.scene, folder), Basis::Sweep))
     }
 }
 
@@ -195,12 +197,14 @@ impl Trials<'_> {
             return *found;
         }
         if self.time >= TRIALS {
-            return self.scaled(rough_steps(&case.scene));
+            return self.scaled(rough_steps(&case.scene, self.archive.folder));
         }
         let began = Instant::now();
         let trial = try_out(&case.scene, self.archive).ok();
         self.time += began.elapsed();
-        self.over_rough.extend(trial.map(|t| (t.nanoseconds, t.particle_steps / rough_steps(&case.scene))));
+        self.over_rough.extend(
+            trial.map(|t| (t.nanoseconds, t.particle_steps / rough_steps(&case.scene, self.archive.folder))),
+        );
         self.found.insert(place, trial);
         trial
     }
@@ -222,33 +226,33 @@ fn try_out(spec: &SceneSpec, archive: &Archive) -> Result<Trial, SpecError> {
     Ok(Trial { nanoseconds: 1e9 * pace.step / particles, particle_steps: particles * duration / first_step })
 }
 
-/// Extents of the first body's region [m], axis by axis; `None` for a file, whose are not known before it is read.
-pub fn extents(scene: &SceneSpec) -> Option<Vec<f64>> {
+/// Extents of the first body's region [m], axis by axis; `None` for a file of particles, whose are not known before it is read. Meshes are in `folder`.
+pub fn extents(scene: &SceneSpec, folder: &Path) -> Option<Vec<f64>> {
     let spec = scene.body.first()?.region.as_ref()?;
     match scene.dimension {
-        3 => {
-            region::<3>(spec, "region").map(|r| r.bounding_box()).map(|b| (b.max - b.min).as_slice().to_vec())
-        }
-        _ => {
-            region::<2>(spec, "region").map(|r| r.bounding_box()).map(|b| (b.max - b.min).as_slice().to_vec())
-        }
+        3 => of_region::<3>(spec, folder),
+        _ => of_region::<2>(spec, folder),
     }
-    .ok()
+}
+
+fn of_region<const D: usize>(spec: &RegionSpec, folder: &Path) -> Option<Vec<f64>> {
+    let bounds = region::<D>(spec, "region", folder).ok()?.bounding_box();
+    Some((bounds.max - bounds.min).as_slice().to_vec())
 }
 
 /// R of the first body [m]: half its region's largest extent.
-fn radius(scene: &SceneSpec) -> f64 {
+fn radius(scene: &SceneSpec, folder: &Path) -> f64 {
     // chosen: half a metre for a file.
-    extents(scene).map_or(0.5, |extents| 0.5 * extents.into_iter().fold(0.0, f64::max))
+    extents(scene, folder).map_or(0.5, |extents| 0.5 * extents.into_iter().fold(0.0, f64::max))
 }
 
 /// Particle-steps without a trial: only their ratios mean something. Particles times time over spacing, which steps go with.
-fn rough_steps(scene: &SceneSpec) -> f64 {
+fn rough_steps(scene: &SceneSpec, folder: &Path) -> f64 {
     // chosen: a file's length is not known before it is read.
     let count: usize = scene.body.iter().map(|body| body.placement.count().unwrap_or(10_000)).sum();
     let speed = scene.body[0].velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
     let duration = match scene.output.time_unit {
-        TimeUnit::Crossing => scene.output.end * radius(scene) / speed.max(1e-3),
+        TimeUnit::Crossing => scene.output.end * radius(scene, folder) / speed.max(1e-3),
         TimeUnit::Second => scene.output.end,
     };
     // chosen: waves in snow go at 10 to 20 m/s and steps are a fraction of the time in which they cross a cell.
@@ -269,7 +273,7 @@ mod tests {
                  placement = {{ kind = \"random\", count = {count} }}\nvelocity = [0.0, -8.0]\n\
                  [output]\ntime_unit = \"crossing\"\nframe_interval = 0.5\nend = 1.0\n"
             );
-            rough_steps(&spec::parse(&text).expect("a scene"))
+            rough_steps(&spec::parse(&text).expect("a scene"), Path::new("."))
         };
         let one = scene(300, 0.25);
         assert_eq!([scene(600, 0.25), scene(300, 0.5)], [2.0 * one; 2]);

@@ -25,6 +25,7 @@ pub mod keeper;
 pub mod manifest;
 pub mod measure;
 pub mod memory;
+pub mod meshes;
 pub mod metrics;
 pub mod outcome_map;
 pub mod pace;

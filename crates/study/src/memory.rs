@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use crate::assemble::region;
+use crate::meshes;
 use crate::spec::SceneSpec;
-use crate::spec::scene::{PrecisionName, RegionSpec, TransferName};
+use crate::spec::scene::{MeshSpec, PrecisionName, RegionSpec, TransferName};
 
 /// Of the program itself, its tables and threads [bytes] (chosen: a case of two particles peaks at 18 MB, and heaps have gaps).
 const PROGRAM: f64 = 2.5e7;
@@ -15,6 +16,8 @@ const COPIES: f64 = 5.0;
 const PLAIN_COPIES: f64 = 2.0;
 /// Beside its bonds, what measuring a particle takes [bytes] (chosen: 290 of 820 are not bonds at 300 thousand in 3D).
 const MEASURED: f64 = 300.0;
+/// Of a triangle of a mesh, while it is read and welded [bytes] (measured: 440 of STL as text, the most of all formats).
+const TRIANGLE: f64 = 450.0;
 /// Nodes of the grid's blocks over cells that hold particles (chosen: a body of ten blocks across has a block more on each side).
 const MARGIN: f64 = 1.7;
 /// Fields over the nodes that an implicit step holds: 8 of MINRES, and of its system v^n, the forces, the right side, the held and known parts, masses and
@@ -28,11 +31,11 @@ const USUAL_PER_CELL: f64 = 4.0;
 
 /// Bytes that a case of `scene` takes at its peak, the program included, where its fragments are measured by `h_max` [m], or by its own spacing; `None` where
 /// a file has its particles. Within a factor of 1.5 ([docs/performance.md](../../../docs/performance.md)).
-pub fn of_case(scene: &SceneSpec, h_max: Option<f64>) -> Option<f64> {
+pub fn of_case(scene: &SceneSpec, folder: &Path, h_max: Option<f64>) -> Option<f64> {
     let particles = particles(scene)?;
     let numerics = &scene.numerics;
     let (d, number) = (scene.dimension as f64, bytes_of_number(scene));
-    let per_cell = per_cell(scene, particles).unwrap_or(USUAL_PER_CELL);
+    let per_cell = per_cell(scene, folder, particles).unwrap_or(USUAL_PER_CELL);
 
     // Half a chunk of each block is padding.
     let padding = 1.0 + 0.5 * CHUNK / (per_cell * BLOCK);
@@ -53,16 +56,20 @@ pub fn of_case(scene: &SceneSpec, h_max: Option<f64>) -> Option<f64> {
     // As they are kept, and as the bytes that a checkpoint or the results have of them.
     let frames = 2.0 * frames(scene) * 4.0 * (d + 1.0);
     // A case is measured when its engine is gone.
-    Some(PROGRAM + particles * ((particle + nodes).max(bonds + MEASURED) + frames))
+    Some(
+        PROGRAM
+            + TRIANGLE * triangles(scene, folder)
+            + particles * ((particle + nodes).max(bonds + MEASURED) + frames),
+    )
 }
 
 /// [`of_case`] of a run whose frames are written as text: two copies of the state wait to be written, and a frame's text.
-pub fn of_simulation(scene: &SceneSpec) -> Option<f64> {
+pub fn of_simulation(scene: &SceneSpec, folder: &Path) -> Option<f64> {
     // chosen: the longest that a number of 17 digits is written.
     let digits = 21.0;
     // A text grows by doubling.
     Some(
-        of_case(scene, None)?
+        of_case(scene, folder, None)?
             + particles(scene)? * fields(scene) * (2.0 * bytes_of_number(scene) + 2.0 * digits),
     )
 }
@@ -87,6 +94,13 @@ fn particles(scene: &SceneSpec) -> Option<f64> {
     Some(counts?.into_iter().sum::<usize>() as f64)
 }
 
+/// Of all meshes together; those that cannot be read have none.
+fn triangles(scene: &SceneSpec, folder: &Path) -> f64 {
+    let meshes = scene.body.iter().flat_map(|body| &body.region).flat_map(RegionSpec::meshes);
+    let of = |mesh: &MeshSpec| meshes::read(&folder.join(&mesh.path)).map_or(0, |mesh| mesh.triangles());
+    meshes.map(of).sum::<usize>() as f64
+}
+
 /// Numbers of a particle: x, v, F, five of one component, and C where the transfer is affine.
 fn fields(scene: &SceneSpec) -> f64 {
     let d = scene.dimension as f64;
@@ -98,16 +112,16 @@ fn bytes_of_number(scene: &SceneSpec) -> f64 {
 }
 
 /// Particles to a cell, from the regions' volume.
-fn per_cell(scene: &SceneSpec, particles: f64) -> Option<f64> {
+fn per_cell(scene: &SceneSpec, folder: &Path, particles: f64) -> Option<f64> {
     let volumes: Option<Vec<f64>> = match scene.dimension {
-        3 => scene.body.iter().map(|body| volume::<3>(body.region.as_ref()?)).collect(),
-        _ => scene.body.iter().map(|body| volume::<2>(body.region.as_ref()?)).collect(),
+        3 => scene.body.iter().map(|body| volume::<3>(body.region.as_ref()?, folder)).collect(),
+        _ => scene.body.iter().map(|body| volume::<2>(body.region.as_ref()?, folder)).collect(),
     };
     Some(particles * scene.numerics.spacing.powi(scene.dimension as i32) / volumes?.iter().sum::<f64>())
 }
 
-fn volume<const D: usize>(spec: &RegionSpec) -> Option<f64> {
-    let region = region::<D>(spec, "region").ok()?;
+fn volume<const D: usize>(spec: &RegionSpec, folder: &Path) -> Option<f64> {
+    let region = region::<D>(spec, "region", folder).ok()?;
     // chosen: sixteen times as coarse as for placing particles.
     region.volume(16.0 * region.volume_raster()).ok()
 }

@@ -9,7 +9,7 @@ use crate::manifest::{CaseManifest, MANIFEST};
 use crate::measure::{Metrics, measure};
 use crate::metrics::MetricError;
 use crate::record::{Outcome, RunRecord, in_full};
-use crate::spec::scene::{EngineName, PlacementSpec};
+use crate::spec::scene::{EngineName, PlacementSpec, RegionSpec};
 use crate::spec::study::MeasureSpec;
 use crate::spec::{SceneSpec, SpecError};
 use crate::store::{
@@ -83,7 +83,7 @@ impl<'a> Archive<'a> {
     /// Looks up the keys of all cases.
     ///
     /// # Errors
-    /// A particle file that cannot be read.
+    /// A file that a scene names and that cannot be read.
     pub fn open(study: &'a Study, out: &Path, folder: &'a Path) -> Result<Self, CaseError> {
         let store = Store::new(out, &study.spec.name, &study.profile);
         let mut inputs = Inputs::default();
@@ -125,21 +125,21 @@ impl<'a> Archive<'a> {
     /// What the scene of case number `index` is called whatever the solver's version.
     ///
     /// # Errors
-    /// A particle file that cannot be read.
+    /// A file that a scene names and that cannot be read.
     pub fn scene_key(&self, index: usize) -> Result<String, SpecError> {
         let scene = &self.study.cases[index].scene;
         Ok(scene_key(scene, Inputs::default().of(scene, self.folder)?))
     }
 
-    /// Why case number `index` is not now what its key names: a particle file of its scene has changed since the keys were looked up, or cannot be
+    /// Why case number `index` is not now what its key names: a file that its scene names has changed since the keys were looked up, or cannot be
     /// read.
     pub(crate) fn changed_input(&self, index: usize) -> Option<String> {
         let scene = &self.study.cases[index].scene;
-        particle_files(scene).next()?;
+        input_files(scene).next()?;
         match Inputs::default().of(scene, self.folder) {
             Ok(inputs) if key_of(scene, inputs) == self.keys[index] => None,
             Ok(_) => Some(
-                "a particle file of its scene was changed after the study was opened; run it again".into(),
+                "a file that its scene names was changed after the study was opened; run it again".into(),
             ),
             Err(error) => Some(in_full(&error)),
         }
@@ -259,7 +259,7 @@ pub(crate) fn metrics_file(measure: &MeasureSpec) -> String {
     format!("metrics-{}.json", metric_key(measure))
 }
 
-/// The contents of the particle files of the scene that was asked for last: most cases of a study have those of the one before.
+/// The contents of the files of the scene that was asked for last: most cases of a study have those of the one before.
 #[derive(Default)]
 struct Inputs {
     paths: Vec<String>,
@@ -268,27 +268,31 @@ struct Inputs {
 
 impl Inputs {
     fn of(&mut self, scene: &SceneSpec, folder: &Path) -> Result<&[Vec<u8>], SpecError> {
-        if !particle_files(scene).eq(&self.paths) {
+        if !input_files(scene).eq(&self.paths) {
             let read = |path: &str| {
                 let path = folder.join(path);
                 std::fs::read(&path).map_err(|source| SpecError::Read { path, source })
             };
-            self.contents = particle_files(scene).map(read).collect::<Result<_, _>>()?;
-            self.paths = particle_files(scene).map(String::from).collect();
+            self.contents = input_files(scene).map(read).collect::<Result<_, _>>()?;
+            self.paths = input_files(scene).map(String::from).collect();
         }
         Ok(&self.contents)
     }
 }
 
-/// The particle files that a scene names, in its order.
-fn particle_files(scene: &SceneSpec) -> impl Iterator<Item = &str> {
-    scene.body.iter().filter_map(|body| match &body.placement {
-        PlacementSpec::File { path, .. } => Some(path.as_str()),
-        _ => None,
+/// The files of particles and the meshes that a scene names, in its order.
+fn input_files(scene: &SceneSpec) -> impl Iterator<Item = &str> {
+    scene.body.iter().flat_map(|body| {
+        let particles = match &body.placement {
+            PlacementSpec::File { path, .. } => Some(path.as_str()),
+            _ => None,
+        };
+        let meshes = body.region.iter().flat_map(RegionSpec::meshes).map(|mesh| mesh.path.as_str());
+        particles.into_iter().chain(meshes)
     })
 }
 
-/// The key of a scene, with the contents of its particle files.
+/// The key of a scene, with the contents of the files that it names.
 fn key_of(scene: &SceneSpec, inputs: &[Vec<u8>]) -> String {
     // The engine that will run is the one that counts: a CPU may not have what the fast one takes.
     let mut scene = scene.clone();

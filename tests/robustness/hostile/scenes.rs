@@ -44,7 +44,7 @@ fn hold_accepted(scene: &SceneSpec, random: &mut ChaCha8Rng) {
     let slow =
         scene.body.iter().any(|body| body.voids.is_some() || body.region.as_ref().is_some_and(is_composed));
     if count <= MOST_PLACED && (!slow || random.random_range(0..5000) == 0) {
-        of_case(scene, None);
+        of_case(scene, Path::new("/nowhere"), None);
         match build(scene) {
             Ok(particles) => assert!(particles >= count / 3, "{particles} of {count} particles: {text}"),
             Err(error) => hold_refusal(&error.to_string(), &text),

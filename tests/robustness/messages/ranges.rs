@@ -49,6 +49,9 @@ region = { kind = "box", centre = [0.0, 0.3, 0.0], half_extent = [0.1, 0.1, 0.1]
 placement = { kind = "random", count = 50 }
 spin = [0.0, 0.0, 1.0]
 [[body]]
+region = { kind = "mesh", path = "a.obj", scale = 0.1, up = "y", rotation = [0.0, 0.0, 90.0], centre = [0.0, 0.3, 0.0] }
+placement = { kind = "random", count = 50 }
+[[body]]
 placement = { kind = "file", path = "a.csv", filled_volume = 1.0 }
 [[collider]]
 shape = { kind = "box", centre = [0.0, 0.0, 0.0], half_extent = [0.1, 0.1, 0.1], angle = 1.0 }

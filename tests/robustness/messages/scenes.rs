@@ -136,6 +136,21 @@ const TABLE: &[Refused] = &[
     refused("count = 50 }", "count = 50 }\nspin = [0.0, 0.0, 1.0]", &["`body.0.spin`", "in 2D: 1 number"]),
     // What keys say of one another.
     refused(
+        BALL,
+        "{ kind = \"mesh\", path = \"a.obj\", rotation = [0.0, 0.0, 90.0] }",
+        &["line 6", "`body.0.region`", "`mesh`", "`dimension = 3`"],
+    ),
+    refused(
+        BALL,
+        "{ kind = \"union\", parts = [{ kind = \"mesh\", path = \"a.obj\" }] }",
+        &["line 6", "`body.0.region`", "`mesh`", "`dimension = 3`"],
+    ),
+    refused(
+        BALL,
+        "{ kind = \"mesh\", path = \"a.obj\", angle = 90.0 }",
+        &["line 6", "`body.0.region.angle`", "unknown key", "`rotation`"],
+    ),
+    refused(
         PLACEMENT,
         r#"{ kind = "file", path = "a.csv", filled_volume = 1.0 }"#,
         &["`body.0.region`", "`file`", "remove it"],

@@ -8,6 +8,8 @@ use snowlab_study::points;
 use snowlab_study::spec::{self, SceneSpec};
 
 use super::{Desk, SCENE};
+use crate::made::shapes::icosphere;
+use crate::made::written;
 
 #[test]
 fn placements_are_written_as_csv_and_ply() {
@@ -142,6 +144,42 @@ fn paths_are_relative_to_the_scene() {
     assert!(desk.expect(0, "sample deep/scene.toml -o out.csv").contains("2 particles"));
     let scene: SceneSpec = spec::parse(&text).unwrap();
     assert!(assemble::<f64, 2>(&scene, Path::new("nowhere")).is_err());
+}
+
+/// A mesh beside the scene is placed, looked into and simulated; one that is open is refused by line, key and file.
+#[test]
+fn a_mesh_is_a_body_of_a_scene() {
+    let desk = Desk::new();
+    std::fs::create_dir(desk.path("deep")).unwrap();
+    let ball = icosphere(2).mapped(|v| v * 10.0);
+    std::fs::write(desk.path("deep/ball.stl"), written::stl_binary(&ball)).unwrap();
+    let region = "{ kind = \"mesh\", path = \"ball.stl\", scale = 0.025, centre = [0.0, 0.0, 0.3] }";
+    let text = format!(
+        "dimension = 3\n[numerics]\nspacing = 0.05\n[[body]]\nregion = {region}\n\
+         placement = {{ kind = \"poisson-disk\", count = 1000 }}\nvelocity = [0.0, 0.0, -8.0]\n[[collider]]\n\
+         shape = {{ kind = \"half-space\", point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }}\n\
+         [output]\ntime_unit = \"crossing\"\nframe_interval = 0.5\nend = 1.0\n"
+    );
+    desk.write("deep/scene.toml", &text);
+    let printed = desk.expect(0, "sample deep/scene.toml -o points.ply");
+    assert!(printed.contains("1000 particles"), "{printed}");
+    let centre = Vector::<f64, 3>::new(0.0, 0.0, 0.3);
+    let points = points::read::<3>(&desk.path("points.ply")).unwrap().positions;
+    assert!(points.len() == 1000 && points.iter().all(|x| (x - centre).norm() < 0.25));
+    let printed = desk.expect(0, "preflight deep/scene.toml");
+    assert!(printed.contains("1000 particles in 3D"), "{printed}");
+    let printed = desk.expect(0, "simulate deep/scene.toml --out frames");
+    assert!(printed.contains("3 frames"), "{printed}");
+
+    let mut open = ball;
+    open.triangles.truncate(300);
+    std::fs::write(desk.path("deep/ball.stl"), written::stl_binary(&open)).unwrap();
+    let printed = desk.expect(2, "sample deep/scene.toml -o points.ply");
+    for said in
+        ["deep/scene.toml: line 5, `body.0.region.path`", "ball.stl: the mesh does not close", "Fill Holes"]
+    {
+        assert!(printed.contains(said), "{said}: {printed}");
+    }
 }
 
 #[test]

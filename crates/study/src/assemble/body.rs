@@ -35,7 +35,7 @@ pub(super) fn build_body<const D: usize>(
     let mut built = if let PlacementSpec::File { path, filled_volume } = &body.placement {
         from_file(spec, body, &key, &folder.join(path), *filled_volume)?
     } else {
-        from_sampler(spec, body, &key, &streams)?
+        from_sampler(spec, body, &key, &streams, folder)?
     };
     built.phase = phase;
     let base = vector_or_zero::<D>(&body.velocity, &format!("{key}.velocity"))?;
@@ -56,6 +56,7 @@ fn from_sampler<const D: usize>(
     body: &BodySpec,
     key: &str,
     streams: &Streams,
+    folder: &Path,
 ) -> Result<BuiltBody<D>, SpecError> {
     let refused =
         |error: snowlab_sampler::SamplerError| SpecError::value(format!("`{key}`"), error.to_string());
@@ -65,7 +66,7 @@ fn from_sampler<const D: usize>(
             "is missing; only a placement of kind `file` does without",
         )
     })?;
-    let region = region::<D>(region_spec, &format!("{key}.region"))?;
+    let region = region::<D>(region_spec, &format!("{key}.region"), folder)?;
     let (sampler, count, count_of) = sampler(&body.placement);
     let voids = match &body.voids {
         None => None,

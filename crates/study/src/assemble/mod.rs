@@ -1,6 +1,7 @@
 //! From a scene file's words to particles, obstacles and numerics.
 
 mod body;
+mod mesh;
 mod numerics;
 mod obstacle;
 mod region;
@@ -66,7 +67,7 @@ pub struct Made {
 /// a step's motion (chosen: 2^14 cells leave 2^-9 of a cell in f32).
 const FAR: f64 = 16384.0;
 
-/// Builds `spec`. Paths of particle files are relative to `folder`.
+/// Builds `spec`. Paths of particle files and meshes are relative to `folder`.
 ///
 /// # Errors
 /// [`SpecError::Value`] with key, value and remedy.
@@ -86,7 +87,7 @@ pub fn assemble<T: Real, const D: usize>(
         particles.extend(built.particles);
     }
     made.finish(&particles, spec.numerics.spacing.powi(D as i32));
-    made.crossing_time = crossing_time::<D>(&spec.body[0], &particles)?;
+    made.crossing_time = crossing_time::<D>(&spec.body[0], &particles, folder)?;
     let origin = local_origin(&particles, spec.numerics.spacing);
     check_reach(&particles, &origin, &spec.numerics)?;
     let scene = scene::<T, D>(spec, &origin)?;
@@ -144,10 +145,11 @@ pub fn time_unit(output: &OutputSpec, crossing_time: f64) -> Result<f64, SpecErr
 fn crossing_time<const D: usize>(
     body: &BodySpec,
     particles: &[InitialParticle<D>],
+    folder: &Path,
 ) -> Result<f64, SpecError> {
     let extent = match &body.region {
         Some(spec) => {
-            let bounds = region::<D>(spec, "body.0.region")?.bounding_box();
+            let bounds = region::<D>(spec, "body.0.region", folder)?.bounding_box();
             (bounds.max - bounds.min).max()
         }
         None => (0..D)

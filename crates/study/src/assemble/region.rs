@@ -1,5 +1,7 @@
 //! Regions, samplers and void fields in the sampler's terms.
 
+use std::path::Path;
+
 use snowlab_sampler::{
     GaussianField, Heterogeneity, InclusionField, InclusionShape, Orientation, Region, Sampler, VoidField,
 };
@@ -10,13 +12,14 @@ use crate::spec::scene::{
     RegionSpec, VoidSpec,
 };
 
+use super::mesh::mesh;
 use super::vector::vector;
 
-/// The region a body's words describe.
+/// The region a body's words describe. Paths of meshes are relative to `folder`.
 ///
 /// # Errors
-/// A vector of the wrong length.
-pub fn region<const D: usize>(spec: &RegionSpec, key: &str) -> Result<Region<D>, SpecError> {
+/// A vector of the wrong length, or a mesh that cannot be read, is none, or has no place.
+pub fn region<const D: usize>(spec: &RegionSpec, key: &str, folder: &Path) -> Result<Region<D>, SpecError> {
     let at = |values: &[f64], name: &str| vector::<D>(values, &format!("{key}.{name}"));
     Ok(match spec {
         RegionSpec::Ball(BallSpec { centre, radius }) => {
@@ -32,16 +35,17 @@ pub fn region<const D: usize>(spec: &RegionSpec, key: &str) -> Result<Region<D>,
             semi_axes: at(semi_axes, "semi_axes")?,
             orientation: snowlab_sampler::rotation(angle.to_radians()),
         },
+        RegionSpec::Mesh(spec) => Region::Mesh(mesh(spec, key, folder)?),
         RegionSpec::Union { parts } => Region::Union(
             parts
                 .iter()
                 .enumerate()
-                .map(|(k, part)| region(part, &format!("{key}.parts.{k}")))
+                .map(|(k, part)| region(part, &format!("{key}.parts.{k}"), folder))
                 .collect::<Result<_, _>>()?,
         ),
         RegionSpec::Difference { solid, removed } => Region::Difference {
-            solid: Box::new(region(solid, &format!("{key}.solid"))?),
-            removed: Box::new(region(removed, &format!("{key}.removed"))?),
+            solid: Box::new(region(solid, &format!("{key}.solid"), folder)?),
+            removed: Box::new(region(removed, &format!("{key}.removed"), folder)?),
         },
     })
 }

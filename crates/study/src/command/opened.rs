@@ -81,9 +81,11 @@ pub fn use_study(archive: &Archive) -> anyhow::Result<Lock> {
 }
 
 /// Bytes of the largest of the cases of the given numbers.
-pub fn largest(study: &Study, numbers: &[usize]) -> Option<f64> {
+pub fn largest(archive: &Archive, numbers: &[usize]) -> Option<f64> {
+    let Archive { study, folder, .. } = archive;
     let h_max = Some(study.measure.largest_spacing);
-    numbers.iter().filter_map(|&index| memory::of_case(&study.cases[index].scene, h_max)).reduce(f64::max)
+    let of_case = |&index: &usize| memory::of_case(&study.cases[index].scene, folder, h_max);
+    numbers.iter().filter_map(of_case).reduce(f64::max)
 }
 
 /// Cases of the given numbers at a time, and threads of each, where `jobs` and `threads` are asked for: no more than there is memory for.
@@ -91,13 +93,13 @@ pub fn largest(study: &Study, numbers: &[usize]) -> Option<f64> {
 /// # Errors
 /// Where not even one case fits.
 pub fn shares(
-    study: &Study,
+    archive: &Archive,
     numbers: &[usize],
     jobs: Option<usize>,
     threads: Option<usize>,
 ) -> Result<(usize, usize), String> {
     let cores = jobs.unwrap_or_else(super::cores).max(1);
-    let side_by_side = memory::side_by_side(largest(study, numbers), numbers.len(), cores)?;
+    let side_by_side = memory::side_by_side(largest(archive, numbers), numbers.len(), cores)?;
     // A thread for each of many cases keeps all cores busy; few cases share the cores.
     Ok((side_by_side, threads.unwrap_or(cores / side_by_side).max(1)))
 }

@@ -74,7 +74,7 @@ pub fn plan(arguments: &PlanArguments) -> anyhow::Result<Exit> {
     }
     let effort = if arguments.no_trials { Effort::Table } else { Effort::Trials };
     let costs = costs(&archive, &statuses, effort);
-    let (jobs, threads) = match shares(&study, &to_run, arguments.jobs, arguments.threads_per_case) {
+    let (jobs, threads) = match shares(&archive, &to_run, arguments.jobs, arguments.threads_per_case) {
         Ok(shares) => shares,
         Err(message) => {
             eprintln!("{message}");
@@ -104,7 +104,7 @@ pub fn plan(arguments: &PlanArguments) -> anyhow::Result<Exit> {
             threads,
             predicted_seconds: seconds,
             predicted_particle_steps: to_run.iter().map(|&index| costs[index].particle_steps).sum(),
-            memory_of_a_case: largest(&study, &to_run),
+            memory_of_a_case: largest(&archive, &to_run),
             memory_free: memory::available(),
         });
     }
@@ -132,11 +132,10 @@ fn line(archive: &Archive, status: &Status, cost: &Cost) -> String {
 }
 
 fn summary(archive: &Archive, to_run: &[usize], costs: &[Cost]) {
-    let study = archive.study;
     if to_run.is_empty() {
         return;
     }
-    if let Some(bytes) = largest(study, to_run) {
+    if let Some(bytes) = largest(archive, to_run) {
         let free = memory::available().map(|free| format!(", {} are free", memory::in_words(free)));
         println!("memory: up to {} a case{}", memory::in_words(bytes), free.unwrap_or_default());
     }

@@ -95,7 +95,8 @@ fn for_scene<'a>(
     let folder = path.parent().unwrap_or(Path::new("."));
     let of_file = |error: spec::SpecError| error.in_text(&text).within(path.display());
     let now = facts(&scene, folder).map_err(of_file)?;
-    let table = setting.apply(&scene, now.particles_per_cell).with_context(|| path.display().to_string())?;
+    let table =
+        setting.apply(&scene, folder, now.particles_per_cell).with_context(|| path.display().to_string())?;
     let written = toml::to_string(&table)?;
     let made: SceneSpec = spec::parse(&written)?;
     let threads =

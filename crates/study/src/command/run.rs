@@ -180,7 +180,7 @@ impl RunArguments {
 
     fn orders(&self, archive: &Archive, numbers: &[usize]) -> anyhow::Result<Orders> {
         let (side_by_side, threads) =
-            shares(archive.study, numbers, self.jobs, self.threads_per_case).map_err(anyhow::Error::msg)?;
+            shares(archive, numbers, self.jobs, self.threads_per_case).map_err(anyhow::Error::msg)?;
         if side_by_side < self.jobs.unwrap_or_else(super::cores).min(numbers.len()) {
             eprintln!("memory is free for {side_by_side} cases at a time");
         }

@@ -42,7 +42,7 @@ pub fn simulate(arguments: &SimulateArguments) -> anyhow::Result<Exit> {
     export.check(scene.dimension)?;
     let threads = threads.unwrap_or_else(super::cores);
     let folder = path.parent().unwrap_or(Path::new("."));
-    memory::side_by_side(memory::of_simulation(&scene), 1, 1)
+    memory::side_by_side(memory::of_simulation(&scene, folder), 1, 1)
         .map_err(|message| anyhow::anyhow!("{}: {message}", path.display()))?;
     warn(&scene, folder).map_err(|error| error.in_text(&text).within(path.display()))?;
     let writer = FrameWriter::new(out, export.exporter(out), export.link, &text);

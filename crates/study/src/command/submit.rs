@@ -101,7 +101,9 @@ pub fn submit(arguments: &SubmitArguments) -> anyhow::Result<Exit> {
         .map(|chunk| chunk.iter().map(|&index| archive.key(index).to_string()).collect())
         .collect();
     let h_max = Some(study.measure.largest_spacing);
-    let memory_of = |index: usize| memory::of_case(&study.cases[index].scene, h_max).unwrap_or(USUAL_MEMORY);
+    let memory_of = |index: usize| {
+        memory::of_case(&study.cases[index].scene, archive.folder, h_max).unwrap_or(USUAL_MEMORY)
+    };
     let directory = std::env::current_dir()?;
     let program = match &arguments.program {
         Some(program) => program.clone(),

@@ -1,6 +1,7 @@
 //! Numbers of a scene that tell, before it is run, what it will meet.
 
 use std::collections::HashSet;
+use std::path::Path;
 
 use serde::Serialize;
 use snowlab_solver::timestep::{fastest_wave_squared, step_length, wave_limit};
@@ -87,11 +88,15 @@ pub struct Facts {
 }
 
 impl Facts {
-    /// The facts of a scene that is built.
+    /// The facts of a scene that is built, whose meshes are in `folder`.
     ///
     /// # Errors
     /// An output that counts in crossing times of a body at rest.
-    pub fn of<const D: usize>(spec: &SceneSpec, assembly: &Assembly<f64, D>) -> Result<Self, SpecError> {
+    pub fn of<const D: usize>(
+        spec: &SceneSpec,
+        folder: &Path,
+        assembly: &Assembly<f64, D>,
+    ) -> Result<Self, SpecError> {
         let Assembly { scene, state, made } = assembly;
         let h = spec.numerics.spacing;
         let first_step = step_length(scene, state);
@@ -127,7 +132,7 @@ impl Facts {
             cells_across_bridge: bridge(spec).map(|width| width / h),
             buried,
             presses: presses(scene, latest_end(&spec.output, unit)),
-            memory: memory::of_case(spec, None),
+            memory: memory::of_case(spec, folder, None),
             memory_free: memory::available(),
         })
     }

@@ -93,8 +93,8 @@ pub fn preflight(spec: &SceneSpec, folder: &Path, threads: usize) -> Result<Pref
 /// A scene that cannot be built.
 pub fn facts(spec: &SceneSpec, folder: &Path) -> Result<Facts, SpecError> {
     match spec.dimension {
-        3 => Facts::of(spec, &assemble::<f64, 3>(spec, folder)?),
-        _ => Facts::of(spec, &assemble::<f64, 2>(spec, folder)?),
+        3 => Facts::of(spec, folder, &assemble::<f64, 3>(spec, folder)?),
+        _ => Facts::of(spec, folder, &assemble::<f64, 2>(spec, folder)?),
     }
 }
 

@@ -34,7 +34,7 @@ pub enum SpecError {
         /// Why.
         source: std::io::Error,
     },
-    /// A file of particles that a scene names cannot be read, just now or ever.
+    /// A file of particles or a mesh that a scene names cannot be read, just now or ever.
     #[error("{place}: {message}")]
     Particles {
         /// File or case, and key.

@@ -78,6 +78,8 @@ pub const RULES: &[Rule] = &[
     vector("body.*.region.half_extent", LENGTH),
     vector("body.*.region.semi_axes", LENGTH),
     one("body.*.region.angle", DEGREES),
+    one("body.*.region.scale", LENGTH),
+    maybe_vector("body.*.region.rotation", DEGREES),
     one("body.*.placement.count", within(1.0, MOST_PARTICLES as f64)),
     one("body.*.placement.angle", DEGREES),
     one("body.*.placement.filled_volume", POSITIVE),
@@ -122,6 +124,7 @@ impl Spec for SceneSpec {
         if ![2, 3].contains(&self.dimension) {
             return Err(SpecError::value("`dimension`", format!("is {}; allowed: 2 or 3", self.dimension)));
         }
+        check_meshes(self)?;
         let document = Value::try_from(self).map_err(|error| SpecError::value("scene", error.to_string()))?;
         check_numbers(&document, "", "", self.dimension)?;
         if self.body.is_empty() || self.body.len() > MOST_BODIES {
@@ -147,6 +150,19 @@ impl Spec for SceneSpec {
         }
         check_advection(&self.numerics)?;
         check_output(&self.output, self)
+    }
+}
+
+/// Before their numbers, of which there are three.
+fn check_meshes(scene: &SceneSpec) -> Result<(), SpecError> {
+    let has_mesh = |body: &BodySpec| body.region.as_ref().is_some_and(|region| !region.meshes().is_empty());
+    match scene.body.iter().position(has_mesh) {
+        Some(number) if scene.dimension == 2 => {
+            let message =
+                "has a `mesh`, which encloses a volume; set `dimension = 3`, or use another kind of region";
+            Err(SpecError::value(format!("`body.{number}.region`"), message))
+        }
+        _ => Ok(()),
     }
 }
 

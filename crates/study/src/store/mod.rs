@@ -133,7 +133,7 @@ impl Store {
 
 /// The key of a case: what decides its numbers, and nothing else.
 ///
-/// `inputs` are the contents of particle files that the scene names.
+/// `inputs` are the contents of the files that the scene names: particles and meshes.
 pub fn case_key(scene: &SceneSpec, inputs: &[Vec<u8>]) -> String {
     key_by(&format!("snowlab case, solver version {SOLVER_VERSION}\n"), scene, inputs)
 }

@@ -1,5 +1,7 @@
 //! The cheapest setting that is close enough.
 
+use std::path::Path;
+
 use anyhow::Context;
 use serde::Serialize;
 use thiserror::Error;
@@ -140,12 +142,12 @@ impl Setting {
     }
 
     /// The scene with this setting: its spacing and the rest of its numerics, and as many particles of each body as there are then to a cell, where
-    /// it has so many to a cell now. A fixed step goes, since the setting says how long steps are; voids stay as they are.
+    /// it has so many to a cell now; its meshes are in `folder`. A fixed step goes, since the setting says how long steps are; voids stay as they are.
     ///
     /// # Errors
     /// A scene whose extent or number of particles is not its own to set.
-    pub fn apply(&self, scene: &SceneSpec, particles_per_cell: f64) -> anyhow::Result<Table> {
-        let finer = self.cells_across / cells_across(scene);
+    pub fn apply(&self, scene: &SceneSpec, folder: &Path, particles_per_cell: f64) -> anyhow::Result<Table> {
+        let finer = self.cells_across / cells_across(scene, folder);
         let factor = self.particles_per_cell / particles_per_cell * libm::pow(finer, scene.dimension as f64);
         let made = scene.on_grid(rounded(scene.numerics.spacing / finer), factor);
         let made = made.filter(|_| finer.is_finite()).context(

@@ -5,6 +5,7 @@
 //! and scenes that are held out show whether it does.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use toml::{Table as Toml, Value};
 
@@ -99,8 +100,8 @@ pub fn settings(
         let of_fragments = fragments.iter().filter(|row| row.get("arm") == Some(&known.first.case.arm));
         let spread = of_fragments.filter_map(|row| row.get("d_bound")?.parse::<f64>().ok());
         let mut row = Row::default();
-        the_setting(&mut row, known);
-        its_cost(&mut row, known, *own_seconds);
+        the_setting(&mut row, known, archive.folder);
+        its_cost(&mut row, known, *own_seconds, archive.folder);
         its_error_columns(&mut row, known, *own_limits, its_error, tradeoff);
         row.put(
             "on_front",
@@ -119,20 +120,20 @@ pub fn settings(
     Ok([Table { name: "settings", rows: rows.collect() }, reference])
 }
 
-fn the_setting(row: &mut Row, known: &Known) {
+fn the_setting(row: &mut Row, known: &Known, folder: &Path) {
     let case = &known.first.case;
     row.put("arm", "-", "the setting", case.arm.as_str())
         .number(
             "cells_across",
             "-",
             "cells across the body, where it is narrowest",
-            cells_across(&case.scene),
+            cells_across(&case.scene, folder),
         )
         .number("particles_per_cell", "-", "particles to a cell", known.first.record.made.particles_per_cell)
         .put("numerics", "-", "its other keys of `numerics`, as TOML", numerics(&case.scene).as_str());
 }
 
-fn its_cost(row: &mut Row, known: &Known, seconds: Option<f64>) {
+fn its_cost(row: &mut Row, known: &Known, seconds: Option<f64>, folder: &Path) {
     row.put("seconds", "s", "median wall time of the first scene on one thread, timed alone", seconds)
         .number("steps", "-", "mean steps", known.steps)
         .number("iterations", "-", "mean applications of implicit operators", known.iterations)
@@ -140,7 +141,7 @@ fn its_cost(row: &mut Row, known: &Known, seconds: Option<f64>) {
             "memory",
             "B",
             "what the first scene is said to take",
-            memory::of_case(&known.first.case.scene, None),
+            memory::of_case(&known.first.case.scene, folder, None),
         )
         .count("stopped", "cases that stopped", known.stopped as u64);
 }
@@ -257,9 +258,9 @@ fn geometric_mean(values: &[f64]) -> Option<f64> {
 }
 
 /// Cells across the first body, where it is narrowest.
-pub(super) fn cells_across(scene: &SceneSpec) -> f64 {
+pub(super) fn cells_across(scene: &SceneSpec, folder: &Path) -> f64 {
     let least = |extents: Vec<f64>| extents.into_iter().reduce(f64::min);
-    extents(scene).and_then(least).map_or(f64::NAN, |extent| extent / scene.numerics.spacing)
+    extents(scene, folder).and_then(least).map_or(f64::NAN, |extent| extent / scene.numerics.spacing)
 }
 
 /// What of `numerics` makes a setting, as an inline table.

@@ -20,7 +20,7 @@ pub use numerics::{
 };
 pub use output::{EndFrom, OutputSpec, TimeUnit};
 pub use placement::{CountOf, CountSpec, LatticeSpec, PlacementSpec};
-pub use region::{BallSpec, BoxSpec, RegionSpec};
+pub use region::{BallSpec, BoxSpec, MeshSpec, RegionSpec, UpName};
 pub use voids::{InclusionSpec, VoidSpec};
 
 use serde::{Deserialize, Serialize};
