@@ -3,7 +3,8 @@
 use super::Point;
 use super::tree::Tree;
 
-/// Lines along each axis. Chosen: overlaps as wide as 1/256 of the mesh are seen, in a tenth of a second.
+/// Lines along each axis. Chosen: overlaps as wide as 1/256 of the mesh are seen, in less than a tenth of a second
+/// (measured at 80 thousand triangles).
 const LINES: usize = 256;
 
 /// What the lines found.

@@ -21,7 +21,8 @@ pub use placed::PlacedMesh;
 use tree::Tree;
 use triangle::Triangle;
 
-/// Most triangles of a mesh. Chosen: some 300 MB, and far more than sampling resolves.
+/// Most triangles of a mesh. Chosen: some 200 MB, up to five times as much while it is read, and far more than sampling
+/// resolves.
 pub const MOST_TRIANGLES: usize = 2_000_000;
 /// Largest coordinate in the mesh's own units. Chosen: a kilometre in micrometres.
 const LARGEST: f64 = 1e9;
