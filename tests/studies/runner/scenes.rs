@@ -212,7 +212,8 @@ fn frames_of_an_earlier_run_are_deleted() {
     desk.expect(0, "simulate short.toml --out frames");
     let rows = super::rows(&desk.read("frames/history.csv")).len();
     let frames = (0..rows).map(|k| format!("frame-{k:05}.csv"));
-    let others = ["frame-00003.txt", "frame-0000x.csv", "frame-1.csv", "history.csv", "notes.csv"];
+    let others =
+        ["frame-00003.txt", "frame-0000x.csv", "frame-1.csv", "frames.snowlab", "history.csv", "notes.csv"];
     let expected: std::collections::BTreeSet<String> = frames.chain(others.map(String::from)).collect();
     let found = desk.files("frames").into_keys().map(|name| name.to_string_lossy().into_owned());
     assert_eq!(found.collect::<std::collections::BTreeSet<_>>(), expected);
