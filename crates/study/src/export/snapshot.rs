@@ -31,7 +31,7 @@ pub struct Snapshot {
     pub plastic_ratios: Option<Vec<f64>>,
     /// Elastic deformation gradients F_E.
     pub deformations: Option<Vec<[f64; 9]>>,
-    /// Cauchy stresses tau / J_E [Pa], J_E = det F_E: per elastic volume, which is what S13's energy density is measured by.
+    /// Cauchy stresses tau / (J_E J_P) [Pa], J_E = det F_E: forces over areas as they are now (S13 section 6).
     pub stresses: Option<Vec<[f64; 9]>>,
     /// The fragment of each particle, 1 being the heaviest.
     pub fragments: Option<Vec<u32>>,
@@ -96,12 +96,12 @@ impl Snapshot {
             let f = &motion.deformation[p];
             let material = &materials[usize::from(constants.material[p])];
             let stiffness = motion.stiffness[p];
-            let j = determinant(f);
+            let (j, plastic) = (determinant(f), motion.plastic_ratio[p]);
             let tau = material.kirchhoff(f, stiffness);
             // In plane strain the depth is not stretched: of the law only the pressure is left along it.
             let lame = ConstitutiveModel::<T, D>::lame(material);
-            let along = stiffness * lame.lambda * (j - T::one());
-            by_rows(&tau.map(|value| (value / j).as_f64()), along.as_f64())
+            let along = stiffness * lame.lambda * (j - T::one()) / plastic;
+            by_rows(&tau.map(|value| (value / (j * plastic)).as_f64()), along.as_f64())
         };
         Snapshot {
             dimension: D,

@@ -139,7 +139,7 @@ impl Header {
         self.bytes_of(&self.fields)?.checked_add(size_of::<f64>())
     }
 
-    /// Number `k` of component `c` of an array for particle `p` of a snapshot.
+    /// Component `c` of an array for particle `p` of a snapshot.
     fn value(&self, snapshot: &Snapshot, array: &Array, p: usize, c: usize) -> f64 {
         let matrix = |matrices: &Option<Vec<[f64; 9]>>| {
             matrices.as_ref().map_or(f64::NAN, |all| all[p][entry(&array.components[c]).unwrap_or(0)])
