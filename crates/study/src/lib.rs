@@ -51,3 +51,4 @@ pub mod tables;
 pub mod template;
 pub mod trade;
 pub mod verify;
+pub mod view;

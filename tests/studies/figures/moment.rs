@@ -53,7 +53,8 @@ fn particles_stand_at_their_places_in_the_order_given() {
     let view = View::of(&[bounds(&low).unwrap(), bounds(&high).unwrap()], &floor(), 0.0).unwrap();
     let over: Vec<[f64; 2]> = low.iter().chain(&high).chain(&high).copied().collect();
     let inks: Vec<_> = (0..over.len()).map(|k| [OKABE_ITO[0], DUST, OKABE_ITO[3]][k / 400]).collect();
-    let data = Moment { positions: &over, inks: &inks, spacing: 0.01, obstacles: &floor() };
+    let data =
+        Moment { positions: &over, inks: &inks, spacing: 0.01, obstacles: &floor(), obstacles_behind: false };
     let drawing = moment(&data, &view, 330).expect("the data is sound");
     keep("moment", &drawing);
     let image = drawing.paint();
@@ -75,7 +76,8 @@ fn what_cannot_be_drawn_is_refused() {
     let positions = square([0.0, 0.1]);
     let inks = vec![DUST; 400];
     let view = View::of(&[bounds(&positions).unwrap()], &[], 0.0).unwrap();
-    let data = Moment { positions: &positions, inks: &inks, spacing: 0.01, obstacles: &[] };
+    let data =
+        Moment { positions: &positions, inks: &inks, spacing: 0.01, obstacles: &[], obstacles_behind: false };
     let few = Moment { inks: &inks[1..], ..data };
     assert!(matches!(
         moment(&few, &view, 330),

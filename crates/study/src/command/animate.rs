@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use anyhow::Context;
 use clap::Args;
-use snowlab_study::animate::{Pieces, track};
+use snowlab_study::animate::{Pieces, Run, view_of};
 use snowlab_study::figure::gif::gif;
 use snowlab_study::figure::moving::{Moving, drawings};
 use snowlab_study::fragments_command::DEFAULT_MIN_MASS_SHARE;
@@ -54,15 +55,16 @@ pub fn animate(arguments: &AnimateArguments) -> anyhow::Result<Exit> {
         let time = subjects[0].source.snapshot(number)?.time;
         times.push(format!("{:.1} {name}", (time - contact) / unit));
     }
-    let mut tracks = Vec::new();
+    let mut runs = Vec::new();
     for subject in &mut subjects {
         let pieces = arguments.pieces(subject)?;
-        tracks.push(track(&subject.name, &mut subject.source, &numbers, &pieces)?);
+        runs.push(Run::of(&subject.name, &mut subject.source, &numbers, &pieces)?);
     }
-    let moving =
-        Moving { tracks: &tracks, times: &times, width: arguments.width, columns: arguments.columns };
-    let bytes = gif(&drawings(&moving), 100 / arguments.rate, REST)?;
-    anyhow::ensure!(!bytes.is_empty(), "there are no particles to draw");
+    let view = view_of(&runs).context("there are no particles to draw")?;
+    let tracks: Vec<_> = runs.iter().map(Run::track).collect();
+    let AnimateArguments { width, columns, rate, .. } = *arguments;
+    let moving = Moving { tracks: &tracks, times: &times, view: &view, width, columns };
+    let bytes = gif(&drawings(&moving)?, 100 / rate, REST)?;
     put_whole(&arguments.output, |file| file.write_all(&bytes))?;
     println!("{}: {} frames, {:.1} MB", arguments.output.display(), numbers.len(), bytes.len() as f64 / 1e6);
     Ok(Exit::Done)

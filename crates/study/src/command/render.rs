@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use snowlab_study::render::{Mitsuba, Picture, Preset, View};
+use snowlab_study::render::{Mitsuba, Picture, Preset};
+use snowlab_study::view::Viewpoint;
 
 use super::Exit;
 use super::subject::{Subject, SubjectArguments};
@@ -43,12 +44,12 @@ pub fn render(arguments: &RenderArguments) -> anyhow::Result<Exit> {
     for subject in &mut subjects {
         let chosen = arguments.chosen(subject)?;
         for number in [Some(&0), chosen.first(), chosen.last()].into_iter().flatten() {
-            seen.push(subject.source.snapshot(*number)?);
+            seen.push(subject.source.snapshot(*number)?.positions);
         }
     }
     let scene = subjects.first().and_then(|subject| subject.source.scene());
-    let view = View::of(scene.as_ref(), &seen);
-    drop(seen);
+    let seen: Vec<_> = seen.iter().map(Vec::as_slice).collect();
+    let view = Viewpoint::of(scene.as_ref(), &seen);
     let scratch = tempfile::tempdir()?;
     for subject in &mut subjects {
         for number in arguments.chosen(subject)? {
@@ -72,7 +73,7 @@ impl RenderArguments {
         mitsuba: &Mitsuba,
         subject: &mut Subject,
         number: usize,
-        view: &View,
+        view: &Viewpoint,
         scratch: &Path,
     ) -> anyhow::Result<()> {
         let name = format!("{}-{number:05}", subject.id);

@@ -1,4 +1,4 @@
-//! One picture of particles at one time, to be shown with others of the same view: a frame of a film.
+//! Particles at one time, to be shown with others of the same view: a picture of its own, or a panel of a frame of a film.
 
 use super::axis::{Axis, Scale};
 use super::drawing::{Drawing, Rect};
@@ -31,12 +31,16 @@ pub struct Moment<'a> {
     pub spacing: f64,
     /// Outlines of the obstacles [m].
     pub obstacles: &'a [Vec<[f64; 2]>],
+    /// Whether the particles are painted over them, as before a wall in space; else the other way round, as above a floor in the plane.
+    pub obstacles_behind: bool,
 }
 
 /// Space left free round the particles over the width of the view (chosen: as for the snowballs before and after).
 const PAD: f64 = 0.04;
 /// Least and most height of a view over its width (chosen: a lone piece thrown high or wide must not stretch the page).
 const SHAPE: [f64; 2] = [0.4, 1.25];
+/// Least radius of a splat [pixels] (chosen: a million particles are still painted).
+const LEAST_RADIUS: f64 = 0.5;
 /// Colour of empty space.
 const AIR: Ink = Ink::hex(0xf6f7f9);
 
@@ -62,8 +66,9 @@ impl View {
     }
 
     /// Height of a picture over its width.
-    fn shape(&self) -> f64 {
-        (self.high[1] - self.low[1]) / (self.high[0] - self.low[0])
+    pub(super) fn shape(&self) -> Result<f64, FigureError> {
+        let shape = (self.high[1] - self.low[1]) / (self.high[0] - self.low[0]);
+        positive("height of the view over its width", shape)
     }
 }
 
@@ -72,26 +77,41 @@ impl View {
 /// # Errors
 /// [`FigureError`] if there are not as many colours as positions, or the spacing or the view's size is not above 0.
 pub fn moment(moment: &Moment<'_>, view: &View, width: u32) -> Result<Drawing, FigureError> {
-    same_length("moment", ("positions", moment.positions.len()), ("inks", moment.inks.len()))?;
-    for (what, value) in [("spacing", moment.spacing), ("height of the view over its width", view.shape())] {
-        if !(value > 0.0 && value.is_finite()) {
-            return Err(FigureError::NotPositive { what, value });
-        }
-    }
-    let wide = f64::from(width);
-    Sheet::drawn(wide, (wide * view.shape()).round(), |sheet| {
+    let (wide, shape) = (f64::from(width), view.shape()?);
+    Sheet::drawn(wide, (wide * shape).round(), |sheet| {
         let area = Rect { left: 0.0, top: 0.0, right: sheet.width, bottom: sheet.height };
+        moment.draw(sheet, area, view)
+    })
+}
+
+impl Moment<'_> {
+    /// Draws it into a part of a sheet, which has the shape of the view.
+    pub(super) fn draw(&self, sheet: &Sheet<'_>, area: Rect, view: &View) -> Result<(), FigureError> {
+        same_length("moment", ("positions", self.positions.len()), ("inks", self.inks.len()))?;
+        positive("spacing", self.spacing)?;
         sheet.rectangle(area, AIR)?;
         let axis = |k: usize| Axis { scale: Scale::Linear, low: view.low[k], high: view.high[k] };
         let panel = Panel::new(sheet, area, axis(0), axis(1))?;
         let axes = [panel.x, panel.y];
-        let shown = || (0..moment.positions.len()).filter(|k| inside(&axes, moment.positions[*k]));
-        panel.plot().draw(&Splats {
-            centres: shown().map(|k| moment.positions[k].into()).collect(),
-            inks: shown().map(|k| moment.inks[k]).collect(),
-            radius: SPLAT * moment.spacing * wide / (view.high[0] - view.low[0]),
-            clip: area,
-        })?;
-        draw_solids(&panel, moment.obstacles)
-    })
+        let splats = || {
+            let shown = || (0..self.positions.len()).filter(|k| inside(&axes, self.positions[*k]));
+            panel.plot().draw(&Splats {
+                centres: shown().map(|k| self.positions[k].into()).collect(),
+                inks: shown().map(|k| self.inks[k]).collect(),
+                radius: (SPLAT * self.spacing * area.width() / (view.high[0] - view.low[0]))
+                    .max(LEAST_RADIUS),
+                clip: area,
+            })
+        };
+        if self.obstacles_behind {
+            draw_solids(&panel, self.obstacles)?;
+            return Ok(splats()?);
+        }
+        splats()?;
+        draw_solids(&panel, self.obstacles)
+    }
+}
+
+fn positive(what: &'static str, value: f64) -> Result<f64, FigureError> {
+    if value > 0.0 && value.is_finite() { Ok(value) } else { Err(FigureError::NotPositive { what, value }) }
 }

@@ -3,7 +3,6 @@
 mod charts;
 mod listing;
 mod motion;
-mod obstacles;
 mod page;
 mod pictures;
 
@@ -14,7 +13,6 @@ use crate::results::{Archive, CaseResult};
 use crate::store::write_whole;
 
 pub use listing::listing;
-pub use obstacles::outline;
 pub use page::Provenance;
 
 /// All that a report is made of.

@@ -2,17 +2,16 @@
 
 use rayon::prelude::*;
 
-use crate::figure::moment::{Moment, View, bounds, moment};
-use crate::figure::style::{self, DUST, Ink};
+use crate::figure::moment::{View, moment};
 use crate::frames::{Frame, Frames};
 use crate::measure::{Ruler, SeriesRow};
 use crate::report::{ReportMotion, ReportPicture, ReportStrip};
 use crate::results::CaseResult;
-use crate::spec::scene::{ColliderSpec, SolidSpec, TimeUnit};
+use crate::spec::scene::TimeUnit;
 use crate::tables::{groups, usable};
+use crate::view::{Instant, Seen, Viewpoint};
 
 use super::Findings;
-use super::obstacles::outline;
 use super::page::name;
 
 /// Arms shown at most (chosen: three rows of four on a wide screen, and a page of about 3 MB).
@@ -25,8 +24,6 @@ const WIDTH: u32 = 440;
 const NARROWEST: f64 = 20.0;
 /// Colours of a picture (chosen: those of fragments and dust, each with three lighter ones at its edges).
 const COLOURS: usize = 32;
-/// Lightness of the particles furthest from the eye over that of the nearest, in pictures of space (chosen: depth is seen, colours are still told apart).
-const FAR: f64 = 0.45;
 
 /// The case that shows an arm.
 struct Film<'a> {
@@ -35,20 +32,6 @@ struct Film<'a> {
     /// What there is of each frame.
     series: &'a [SeriesRow],
 }
-
-/// A frame, ready to be painted.
-struct Still {
-    positions: Vec<[f64; 2]>,
-    inks: Vec<Ink>,
-    /// Positions of particles in fragments.
-    heavy: Vec<[f64; 2]>,
-    obstacles: Vec<Vec<[f64; 2]>>,
-    count: usize,
-    largest_share: f64,
-}
-
-/// Boxes round what is seen of an arm, and outlines of its obstacles [m].
-type Seen = (Vec<[[f64; 2]; 2]>, Vec<Vec<[f64; 2]>>);
 
 /// The first usable case of each arm through time.
 ///
@@ -69,24 +52,23 @@ pub(super) fn motion(findings: Findings) -> anyhow::Result<ReportMotion> {
     let frames = evenly(densest.series.len());
     let times: Vec<f64> = frames.iter().map(|&frame| densest.time(frame)).collect();
     let chosen: Vec<Vec<usize>> = films.iter().map(|film| film.nearest(&times)).collect();
-    let seen: Vec<Seen> = films
+    let viewpoint = films[0].viewpoint(findings)?;
+    let seen: Vec<Vec<Seen>> = films
         .par_iter()
         .zip(&chosen)
-        .map(|(film, chosen)| {
-            let stills = film.stills(findings, chosen)?;
-            let obstacles = stills.iter().flat_map(|still| still.obstacles.clone()).collect();
-            Ok((stills.iter().filter_map(Still::bounds).collect(), obstacles))
-        })
+        .map(|(film, chosen)| film.seen(findings, chosen, viewpoint.as_ref()))
         .collect::<anyhow::Result<_>>()?;
-    let (boxes, obstacles): (Vec<_>, Vec<_>) = seen.into_iter().unzip();
+    let boxes: Vec<_> = seen.iter().flatten().filter_map(|seen| seen.bounds).collect();
+    let obstacles: Vec<_> = seen.iter().flatten().flat_map(|seen| seen.obstacles.clone()).collect();
     let least = NARROWEST * films.iter().map(Film::spacing).fold(0.0, f64::max);
-    let Some(view) = View::of(&boxes.concat(), &obstacles.concat(), least) else {
+    let Some(view) = View::of(&boxes, &obstacles, least) else {
         return Ok(ReportMotion { note: NOTHING.into(), ..ReportMotion::default() });
     };
     let strips = films
         .par_iter()
         .zip(&chosen)
-        .map(|(film, chosen)| film.strip(findings, chosen, &view))
+        .zip(&seen)
+        .map(|((film, chosen), seen)| film.strip(chosen, seen, &view))
         .collect::<anyhow::Result<_>>()?;
     let steps = frames.iter().map(|&frame| densest.when(frame)).collect();
     Ok(ReportMotion { note: note(films, all.len(), left_out), steps, strips })
@@ -102,7 +84,8 @@ fn note(films: &[Film], all: usize, left_out: usize) -> String {
          from the heaviest: blue, orange, green, red, light blue, pink, black, and again from the first; dust is grey. Times count from contact, where there is any.",
     );
     if films.iter().any(|film| film.case.case.scene.dimension == 3) {
-        note += " Balls in space are seen along the last axis, the nearest particles in front and brightest.";
+        note +=
+            " Balls in space are seen from before the walls, the nearest particles in front and brightest.";
     }
     if all > films.len() {
         note += &format!(" The first {} of {all} arms are shown.", films.len());
@@ -176,111 +159,87 @@ impl<'a> Film<'a> {
         first.into_iter().chain(times.iter().skip(1).map(|time| nearest(*time))).collect()
     }
 
-    /// The pictures of the chosen frames, each once.
-    fn strip(&self, findings: Findings, chosen: &[usize], view: &View) -> anyhow::Result<ReportStrip> {
+    /// The pictures of what is seen of the chosen frames, each once.
+    fn strip(&self, chosen: &[usize], seen: &[Seen], view: &View) -> anyhow::Result<ReportStrip> {
         let spacing = self.spacing();
         let frames = distinct(chosen);
         let mut pictures = Vec::new();
-        for (&frame, still) in frames.iter().zip(self.stills(findings, chosen)?) {
-            let Still { positions, inks, obstacles, count, largest_share, .. } = &still;
-            let drawing = moment(&Moment { positions, inks, spacing, obstacles }, view, WIDTH)?;
-            let noun = if *count == 1 { "fragment" } else { "fragments" };
-            let (when, time, share) = (self.when(frame), self.clock(frame), 100.0 * largest_share);
+        for (&frame, seen) in frames.iter().zip(seen) {
+            let drawing = moment(&seen.moment(spacing), view, WIDTH)?;
             pictures.push(ReportPicture {
                 png: drawing.paint().indexed_png(COLOURS),
-                caption: format!("{time}, {count} {noun}, largest {share:.0}\u{a0}%"),
-                alternative: format!(
-                    "{}, {when}: {count} {noun}, the largest with {share:.0} % of the mass.",
-                    self.name
-                ),
+                caption: format!("{}, {}", self.clock(frame), seen.words()),
+                alternative: format!("{}, {}: {} of the mass.", self.name, self.when(frame), seen.words()),
             });
         }
         let place = |frame: &usize| frames.binary_search(frame).expect("each chosen frame is among them");
         Ok(ReportStrip { name: self.name.clone(), pictures, shown: chosen.iter().map(place).collect() })
     }
 
-    /// Each of the chosen frames once, in the order of time.
-    fn stills(&self, findings: Findings, chosen: &[usize]) -> anyhow::Result<Vec<Still>> {
+    /// From where a run in space is looked at; none in the plane.
+    fn viewpoint(&self, findings: Findings) -> anyhow::Result<Option<Viewpoint>> {
+        let scene = &self.case.case.scene;
+        if scene.dimension != 3 {
+            return Ok(None);
+        }
+        let frames: Frames<3> = findings.archive.store.case(&self.case.key).read_frames()?;
+        let ends: Vec<_> = [frames.frames.first(), frames.frames.last()]
+            .into_iter()
+            .flatten()
+            .map(|frame| in_world(&frames, frame))
+            .collect();
+        let ends: Vec<_> = ends.iter().map(Vec::as_slice).collect();
+        Ok(Some(Viewpoint::of(Some(scene), &ends)))
+    }
+
+    /// What is seen of each of the chosen frames once, in the order of time.
+    fn seen(
+        &self,
+        findings: Findings,
+        chosen: &[usize],
+        viewpoint: Option<&Viewpoint>,
+    ) -> anyhow::Result<Vec<Seen>> {
         match self.case.case.scene.dimension {
-            3 => self.stills_in::<3>(findings, chosen),
-            _ => self.stills_in::<2>(findings, chosen),
+            3 => self.seen_in::<3>(findings, chosen, viewpoint),
+            _ => self.seen_in::<2>(findings, chosen, viewpoint),
         }
     }
 
-    fn stills_in<const D: usize>(&self, findings: Findings, chosen: &[usize]) -> anyhow::Result<Vec<Still>> {
+    fn seen_in<const D: usize>(
+        &self,
+        findings: Findings,
+        chosen: &[usize],
+        viewpoint: Option<&Viewpoint>,
+    ) -> anyhow::Result<Vec<Seen>> {
         let frames: Frames<D> = findings.archive.store.case(&self.case.key).read_frames()?;
-        let ruler = Ruler::new(&findings.archive.study.measure, &self.case.case.scene, &self.case.record);
-        let colliders = &self.case.case.scene.collider;
-        let of = |&frame: &usize| Still::of(&frames, &frames.frames[frame], &ruler, colliders);
+        let scene = &self.case.case.scene;
+        let ruler = Ruler::new(&findings.archive.study.measure, scene, &self.case.record);
+        let of = |&frame: &usize| {
+            let frame = &frames.frames[frame];
+            let fragments = ruler.fragments(&frame.points(), &frames.masses)?;
+            let instant = Instant {
+                time: frame.time,
+                positions: &in_world(&frames, frame),
+                fragments: &fragments,
+                least_mass: ruler.least_mass,
+                colliders: &scene.collider,
+            };
+            Ok(Seen::of(&instant, viewpoint))
+        };
         distinct(chosen).iter().map(of).collect()
     }
+}
+
+/// Positions of a frame [m]; the last of a plane is 0.
+fn in_world<const D: usize>(frames: &Frames<D>, frame: &Frame<D>) -> Vec<[f64; 3]> {
+    let at =
+        |x: &[f32; D]| std::array::from_fn(|k| if k < D { f64::from(x[k]) + frames.origin[k] } else { 0.0 });
+    frame.positions.iter().map(at).collect()
 }
 
 fn distinct(chosen: &[usize]) -> Vec<usize> {
     let all: std::collections::BTreeSet<usize> = chosen.iter().copied().collect();
     all.into_iter().collect()
-}
-
-impl Still {
-    /// Corners of the box round its fragments, or round its dust where there is nothing else [m].
-    fn bounds(&self) -> Option<[[f64; 2]; 2]> {
-        bounds(if self.heavy.is_empty() { &self.positions } else { &self.heavy })
-    }
-
-    fn of<const D: usize>(
-        frames: &Frames<D>,
-        frame: &Frame<D>,
-        ruler: &Ruler,
-        colliders: &[ColliderSpec],
-    ) -> anyhow::Result<Self> {
-        let analysis = ruler.fragments(&frame.points(), &frames.masses)?;
-        let count = analysis.count(ruler.least_mass);
-        let ranks: Vec<Option<usize>> =
-            analysis.labels().iter().map(|&rank| Some(rank as usize).filter(|rank| *rank < count)).collect();
-        let at = |p: usize| [0, 1].map(|k| f64::from(frame.positions[p][k]) + frames.origin[k]);
-        let mut order: Vec<usize> = (0..ranks.len()).collect();
-        let depths: Vec<f32> =
-            if D == 3 { frame.positions.iter().map(|x| x[D - 1]).collect() } else { Vec::new() };
-        if D == 3 {
-            order.sort_by(|a, b| depths[*a].total_cmp(&depths[*b]));
-        } else {
-            // Dust first, then from the heaviest fragment to the lightest, so that small pieces are seen.
-            order.sort_by_key(|&p| ranks[p].map_or(0, |rank| rank + 1));
-        }
-        let ends = depths.iter().fold([f32::MAX, f32::MIN], |[a, b], d| [a.min(*d), b.max(*d)]);
-        let ink = |p: usize| {
-            let ink = ranks[p].map_or(DUST, style::category);
-            if D == 3 {
-                shaded(ink, f64::from(depths[p] - ends[0]) / f64::from(ends[1] - ends[0]))
-            } else {
-                ink
-            }
-        };
-        let heavy = (0..ranks.len()).filter(|p| ranks[*p].is_some()).map(at).collect();
-        let drawn = colliders.iter().filter(|collider| is_seen_from_its_side(collider));
-        Ok(Still {
-            positions: order.iter().map(|&p| at(p)).collect(),
-            inks: order.iter().map(|&p| ink(p)).collect(),
-            heavy,
-            obstacles: drawn.map(|collider| outline(collider, frame.time)).collect(),
-            count,
-            largest_share: analysis.largest_share(),
-        })
-    }
-}
-
-/// The colour of a particle at `nearness` from 0, the furthest, to 1.
-fn shaded(ink: Ink, nearness: f64) -> Ink {
-    let light = if nearness.is_finite() { FAR + (1.0 - FAR) * nearness } else { 1.0 };
-    Ink { rgb: ink.rgb.map(|channel| (f64::from(channel) * light).round() as u8), ..ink }
-}
-
-/// Whether an obstacle has an outline in the picture: a half-space in space that turns its face to the eye would cover all of it.
-fn is_seen_from_its_side(collider: &ColliderSpec) -> bool {
-    match &collider.shape {
-        SolidSpec::HalfSpace { normal, .. } => normal.get(2).is_none_or(|depth| *depth == 0.0),
-        _ => true,
-    }
 }
 
 #[cfg(test)]
@@ -295,13 +254,5 @@ mod tests {
         let taken = evenly(43);
         assert_eq!((taken.len(), taken[0], taken[21]), (22, 0, 42));
         assert!(taken.windows(2).all(|pair| pair[1] - pair[0] == 2), "{taken:?}");
-    }
-
-    #[test]
-    fn what_is_near_is_bright() {
-        let ink = Ink::hex(0xc86400);
-        assert_eq!(shaded(ink, 1.0), ink);
-        assert_eq!(shaded(ink, 0.0).rgb, [90, 45, 0]);
-        assert_eq!(shaded(ink, f64::NAN), ink, "all at one depth");
     }
 }

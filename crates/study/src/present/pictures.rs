@@ -7,8 +7,8 @@ use crate::frames::{Frame, Frames};
 use crate::measure::Ruler;
 use crate::results::CaseResult;
 use crate::spec::scene::ColliderSpec;
+use crate::view::outline;
 
-use super::obstacles::outline;
 use super::{Findings, Titled, drawn};
 
 /// Width of the figures [pixels]: 30,000 particles in each of four columns stay legible.

@@ -7,6 +7,6 @@ mod grains;
 mod mitsuba;
 mod picture;
 
-pub use camera::{Camera, View};
+pub use camera::Camera;
 pub use mitsuba::{Mitsuba, MitsubaError};
 pub use picture::{Picture, Preset, RenderError};

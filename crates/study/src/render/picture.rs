@@ -11,11 +11,12 @@ use minijinja::value::{Serde, Value};
 use serde::Serialize;
 use snowlab_solver::Vector;
 
-use super::camera::{Camera, View};
+use super::camera::Camera;
 use super::grains;
 use crate::export::{Density, DensityError, ExportError, Format, Snapshot};
 use crate::spec::SceneSpec;
 use crate::spec::scene::{BallSpec, BoxSpec, SolidSpec};
+use crate::view::Viewpoint;
 
 const TEMPLATE: &str = include_str!("scene.xml.jinja");
 
@@ -60,14 +61,19 @@ impl Preset {
     }
 }
 
-/// Cells of the volume over the distance between particles at rest: fewer show single particles as clouds, more blur cracks.
+/// Cells of the volume over the distance between particles at rest (chosen: fewer show single particles as clouds, more blur cracks).
 const CELL: f64 = 1.15;
 /// Extinction of snow at rest [1/m] times half the body's largest extent: opaque, with a bright edge (chosen by eye).
 const OPTICAL_RADIUS: f64 = 21.0;
-/// A density above this is drawn as this: the greatest of the volume sets the cost of all of it.
+/// A density above this is drawn as this (chosen: compacted snow reaches it; the greatest of the volume sets the cost of all of it).
 const MOST_DENSITY: f64 = 1.5;
-/// Half the side of a floor or wall over the radius of what is looked at.
+/// Half the side of a floor or wall over the radius of what is looked at (chosen: its end is a horizon far behind).
 const PLANE: f64 = 14.0;
+/// Where the light stands from the middle, to the right, up and towards the camera, over the radius of what is looked at (chosen by eye: from the upper left, before
+/// what is seen, so that cracks have shadows and the side that is looked at none).
+const LIGHT: [f64; 3] = [-1.8, 2.6, 2.2];
+/// Half the side of the light over the same radius (chosen by eye: shadows with soft edges).
+const LIGHT_SIZE: f64 = 0.9;
 
 /// Colours, linear: chosen by eye, snow being near white and all else dark beside it.
 #[derive(Serialize)]
@@ -173,7 +179,7 @@ pub struct Picture<'a> {
     /// The scene they are of, for its obstacles.
     pub scene: Option<&'a SceneSpec>,
     /// What is looked at.
-    pub view: &'a View,
+    pub view: &'a Viewpoint,
     /// How much work it is.
     pub preset: Preset,
 }
@@ -203,10 +209,11 @@ impl Picture<'_> {
         let between = snapshot.spacing_of_particles();
         put(&grains, |file| grains::write(file, snapshot, quality.grain * between))?;
         let volume = quality.has_volume.then(|| self.volume(&folder.join(format!("{name}.vol")), between));
-        let camera = view.camera(f64::from(quality.width) / f64::from(quality.height));
-        let radius = view.radius;
-        let origin = view.centre + radius * (3.2 * view.up - 2.0 * view.right() + 1.2 * view.towards);
-        let light = Light { origin: origin.into(), up: view.right().into(), half_width: 0.9 * radius };
+        let camera = Camera::of(view, f64::from(quality.width) / f64::from(quality.height));
+        let radius = view.radius();
+        let [right, up, towards] = LIGHT;
+        let origin = view.centre + radius * (right * view.right() + up * view.up + towards * view.towards);
+        let light = Light { origin: origin.into(), up: view.right().into(), half_width: LIGHT_SIZE * radius };
         let (planes, balls, boxes) = (Vec::new(), Vec::new(), Vec::new());
         let volume = volume.transpose()?;
         let mut page =
@@ -264,15 +271,13 @@ impl Picture<'_> {
 }
 
 /// A plane as a square about the point of it that is nearest to what is looked at.
-fn plane(point: &Vector<f64, 3>, normal: &Vector<f64, 3>, view: &View) -> Plane {
-    let normal = normal.normalize();
-    let near = view.centre - (view.centre - point).dot(&normal) * normal;
-    let along = if normal.dot(&view.up).abs() < 0.9 { view.up } else { view.right() };
+fn plane(point: &Vector<f64, 3>, normal: &Vector<f64, 3>, view: &Viewpoint) -> Plane {
+    let [middle, along, _] = view.square_on(point, normal);
     Plane {
-        point: near.into(),
-        before: (near + normal).into(),
+        point: middle.into(),
+        before: (middle + normal.normalize()).into(),
         along: along.into(),
-        half_width: PLANE * view.radius,
+        half_width: PLANE * view.radius(),
     }
 }
 

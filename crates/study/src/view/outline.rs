@@ -17,12 +17,7 @@ pub fn outline(collider: &ColliderSpec, time: f64) -> Vec<[f64; 2]> {
             let [nx, ny] = [FAR * normal[0] / length, FAR * normal[1] / length];
             [[-ny, nx], [ny, -nx], [ny - nx, -nx - ny], [-ny - nx, nx - ny]].map(|o| at(point, o)).to_vec()
         }
-        SolidSpec::Ball(BallSpec { centre, radius }) => (0..CORNERS)
-            .map(|k| {
-                let angle = k as f64 * std::f64::consts::TAU / CORNERS as f64;
-                at(centre, [radius * libm::cos(angle), radius * libm::sin(angle)])
-            })
-            .collect(),
+        SolidSpec::Ball(BallSpec { centre, radius }) => circle(at(centre, [0.0; 2]), *radius),
         SolidSpec::Box(BoxSpec { centre, half_extent, angle }) => {
             let (sin, cos) = libm::sincos(angle.to_radians());
             let corner = |[x, y]: [f64; 2]| {
@@ -32,6 +27,15 @@ pub fn outline(collider: &ColliderSpec, time: f64) -> Vec<[f64; 2]> {
             [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(corner).to_vec()
         }
     }
+}
+
+/// A circle as a polygon [m].
+pub(super) fn circle(centre: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
+    let corner = |k: usize| {
+        let (sin, cos) = libm::sincos(k as f64 * std::f64::consts::TAU / CORNERS as f64);
+        [centre[0] + radius * cos, centre[1] + radius * sin]
+    };
+    (0..CORNERS).map(corner).collect()
 }
 
 #[cfg(test)]
