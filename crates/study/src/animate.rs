@@ -31,8 +31,6 @@ pub enum AnimateError {
 #[derive(Clone, Debug)]
 pub struct Run {
     name: String,
-    /// Between particles at rest [m].
-    spacing: f64,
     seen: Vec<Seen>,
 }
 
@@ -65,18 +63,19 @@ impl Run {
             let instant = Instant {
                 time: snapshot.time,
                 positions: &snapshot.positions,
+                spacing: first.spacing_of_particles(),
                 fragments: &fragments,
                 least_mass: pieces.least_share * fragments.total_mass(),
                 colliders,
             };
             seen.push(Seen::of(&instant, viewpoint.as_ref()));
         }
-        Ok(Run { name: name.into(), spacing: first.spacing_of_particles(), seen })
+        Ok(Run { name: name.into(), seen })
     }
 
     /// To be drawn.
     pub fn track(&self) -> Track<'_> {
-        let moments = self.seen.iter().map(|seen| (seen.moment(self.spacing), seen.words()));
+        let moments = self.seen.iter().map(|seen| (seen.moment(), seen.words()));
         Track { name: &self.name, moments: moments.collect() }
     }
 }

@@ -1,4 +1,4 @@
-//! Families, conjunctions, scope conditions and the control of density noise.
+//! Families, scope conditions and the control of density noise.
 
 use snowlab_study::claims::*;
 use snowlab_study::statistics::FiellerSet;
@@ -60,19 +60,6 @@ fn family_counts_ids_and_adjusts_by_holm() {
     // a: 2/4096 x 3. b: the larger p of its paths, 1, for both. c: no p value.
     let p: Vec<Option<f64>> = family.iter().map(|a| a.evidence.p_holm).collect();
     assert_eq!(p, [Some(3.0 * 2.0 / 4096.0), Some(1.0), Some(1.0), None]);
-}
-
-#[test]
-fn conjunction_is_supported_only_if_each_is() {
-    let refuted = Verdict::Refuted(Refutation::Smaller);
-    let open = Verdict::Inconclusive(Reason::Unresolved);
-    let unrun = Verdict::NotRun(NotRun::TooFewBlocks { complete: 3 });
-    let s = Verdict::Supported;
-    assert_eq!(all_of(&[s.clone(), s.clone()]), Some(s.clone()));
-    assert_eq!(all_of(&[s.clone(), open.clone()]), Some(open.clone()));
-    assert_eq!(all_of(&[open.clone(), unrun.clone(), s.clone()]), Some(unrun.clone()));
-    assert_eq!(all_of(&[open, unrun, refuted.clone(), s]), Some(refuted));
-    assert_eq!(all_of(&[]), None);
 }
 
 #[test]

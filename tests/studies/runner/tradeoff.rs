@@ -132,6 +132,18 @@ fn the_cheapest_that_is_close_enough_is_recommended() {
     ask(0, &format!("--error {} --scene voids.toml --write made.toml", 1.01 * close));
     let made = desk.read("made.toml");
     assert!(made.contains("judged_at = 0.02") && !made.contains("fixed_step"), "{made}");
+    // A mesh is found from wherever the scene is written to.
+    desk.write("cube.obj", CUBE);
+    desk.write(
+        "mesh.toml",
+        "dimension = 3\n[numerics]\nspacing = 0.1\n[[body]]\nregion = { kind = \"mesh\", path = \"cube.obj\", scale = 0.3 }\n\
+         placement = { kind = \"lattice\", count = 216 }\n[output]\nframe_interval = 0.001\nend = 0.001\n",
+    );
+    std::fs::create_dir(desk.path("elsewhere")).expect("a new folder");
+    ask(0, &format!("--error {} --scene mesh.toml --write elsewhere/mesh.toml", 1.01 * close));
+    desk.expect(0, "preflight elsewhere/mesh.toml");
+    ask(0, &format!("--error {} --scene mesh.toml --write beside.toml", 1.01 * close));
+    assert!(desk.read("beside.toml").contains("path = \"cube.obj\""), "beside it the name is enough");
     desk.write("frame.csv", "x,y\n0,0\n0.1,0\n");
     desk.write(
         "file.toml",
@@ -139,6 +151,10 @@ fn the_cheapest_that_is_close_enough_is_recommended() {
     );
     assert!(ask(2, "--error 100 --scene file.toml").contains("particles of a file stay as they are"));
 }
+
+/// A cube of side 1.
+const CUBE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
+    f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
 #[test]
 fn what_has_no_settings_says_so() {

@@ -103,19 +103,6 @@ pub fn assess_family(
     Ok(assessments)
 }
 
-/// For controls of several contrasts, such as voids against three solid balls of equal mass.
-///
-/// The verdict of "each of these is so": refuted if one is refuted, else not-run if one is not run, else
-/// inconclusive if one is, else supported; the first such verdict speaks. `None` for no verdicts.
-pub fn all_of(verdicts: &[Verdict]) -> Option<Verdict> {
-    let first = |wanted: fn(&Verdict) -> bool| verdicts.iter().find(|verdict| wanted(verdict));
-    first(|verdict| matches!(verdict, Verdict::Refuted(_)))
-        .or_else(|| first(|verdict| matches!(verdict, Verdict::NotRun(_))))
-        .or_else(|| first(|verdict| matches!(verdict, Verdict::Inconclusive(_))))
-        .or_else(|| verdicts.first())
-        .cloned()
-}
-
 /// Values of the complete blocks of each check.
 fn complete_checks(
     claim: &Claim,

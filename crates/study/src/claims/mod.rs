@@ -17,7 +17,7 @@ mod rules;
 mod scope;
 mod verdict;
 
-pub use assess::{Assessment, CheckReading, all_of, assess, assess_family};
+pub use assess::{Assessment, CheckReading, assess, assess_family};
 pub use claim::{Claim, ClaimError, Contrast, TrendArm};
 pub use density_noise::{DensityNoise, DensityNoiseAssessment, DensityNoiseVerdict, density_noise};
 pub use evidence::{Evidence, Resampling};

@@ -6,6 +6,7 @@ use anyhow::{Context, ensure};
 use clap::Args;
 use serde::Serialize;
 use snowlab_study::preflight::{facts, preflight};
+use snowlab_study::spec::scene::RegionSpec;
 use snowlab_study::spec::{self, SceneSpec};
 use snowlab_study::template::records;
 use snowlab_study::trade::{Binding, Preset, Setting, Wanted, recommend as choose};
@@ -97,13 +98,12 @@ fn for_scene<'a>(
     let now = facts(&scene, folder).map_err(of_file)?;
     let table =
         setting.apply(&scene, folder, now.particles_per_cell).with_context(|| path.display().to_string())?;
-    let written = toml::to_string(&table)?;
-    let made: SceneSpec = spec::parse(&written)?;
+    let made: SceneSpec = spec::parse(&toml::to_string(&table)?)?;
     let threads =
         arguments.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let predicted = preflight(&made, folder, threads)?.predicted;
     if let Some(file) = &arguments.write {
-        std::fs::write(file, written).with_context(|| file.display().to_string())?;
+        write(file, &made, folder)?;
     }
     let mut set = setting.numerics.clone();
     set.insert("spacing".into(), table["numerics"]["spacing"].clone());
@@ -111,6 +111,20 @@ fn for_scene<'a>(
         made.body.iter().filter_map(|body| Some(toml::Value::Integer(body.placement.count()? as i64)));
     set.insert("count".into(), toml::Value::Array(counts.collect()));
     Ok(Answer { setting, binding, set, seconds: predicted.map(|predicted| predicted.seconds) })
+}
+
+/// Writes a scene whose files are named from `folder`: where it comes to lie elsewhere, by their whole paths.
+fn write(file: &Path, scene: &SceneSpec, folder: &Path) -> anyhow::Result<()> {
+    let mut scene = scene.clone();
+    let target = file.parent().unwrap_or(Path::new("."));
+    if std::path::absolute(target)? != std::path::absolute(folder)? {
+        for mesh in
+            scene.body.iter_mut().filter_map(|body| body.region.as_mut()).flat_map(RegionSpec::meshes_mut)
+        {
+            mesh.path = std::path::absolute(folder.join(&mesh.path))?.display().to_string();
+        }
+    }
+    std::fs::write(file, toml::to_string(&scene)?).with_context(|| file.display().to_string())
 }
 
 fn print(answer: &Answer, wanted: Wanted, for_scene: bool) -> anyhow::Result<()> {

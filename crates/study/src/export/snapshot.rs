@@ -93,15 +93,8 @@ impl Snapshot {
         let (motion, constants) = (&state.motion, &state.constants);
         let scalars = |values: &[T]| Some(order.iter().map(|&p| values[p].as_f64()).collect());
         let stress = |p: usize| {
-            let f = &motion.deformation[p];
             let material = &materials[usize::from(constants.material[p])];
-            let stiffness = motion.stiffness[p];
-            let (j, plastic) = (determinant(f), motion.plastic_ratio[p]);
-            let tau = material.kirchhoff(f, stiffness);
-            // In plane strain the depth is not stretched: of the law only the pressure is left along it.
-            let lame = ConstitutiveModel::<T, D>::lame(material);
-            let along = stiffness * lame.lambda * (j - T::one()) / plastic;
-            by_rows(&tau.map(|value| (value / (j * plastic)).as_f64()), along.as_f64())
+            cauchy(material, &motion.deformation[p], motion.stiffness[p], motion.plastic_ratio[p])
         };
         Snapshot {
             dimension: D,
@@ -208,6 +201,21 @@ impl Snapshot {
     }
 }
 
+/// Cauchy stress tau / (J_E J_P) [Pa] of snow with elastic deformation gradient `f` (S13 section 6). In plane strain the depth is not stretched: of the law only the
+/// pressure is left along it.
+fn cauchy<T: Real, const D: usize>(
+    material: &Material<T>,
+    f: &Matrix<T, D>,
+    stiffness: T,
+    plastic_ratio: T,
+) -> [f64; 9] {
+    let j = determinant(f);
+    let tau = material.kirchhoff(f, stiffness);
+    let lame = ConstitutiveModel::<T, D>::lame(material);
+    let along = stiffness * lame.lambda * (j - T::one()) / plastic_ratio;
+    by_rows(&tau.map(|value| (value / (j * plastic_ratio)).as_f64()), along.as_f64())
+}
+
 fn padded<const D: usize>(vector: &Vector<f64, D>) -> [f64; 3] {
     std::array::from_fn(|k| if k < D { vector[k] } else { 0.0 })
 }
@@ -219,4 +227,24 @@ fn by_rows<const D: usize>(matrix: &Matrix<f64, D>, along: f64) -> [f64; 9] {
         (2, 2) => along,
         _ => 0.0,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use snowlab_solver::{Elastic, Lame};
+
+    /// Snow in plane strain is snow in space whose depth is not stretched: all nine stresses are those of the law in space.
+    #[test]
+    fn the_stress_of_plane_strain_is_that_of_space_without_stretch_along_the_depth() {
+        let material = Material::Elastic(Elastic { lame: Lame::from_young(1.4e5, 0.2) });
+        let flat = Matrix::<f64, 2>::new(1.04, 0.03, -0.06, 0.97);
+        let mut space = Matrix::<f64, 3>::identity();
+        space.fixed_view_mut::<2, 2>(0, 0).copy_from(&flat);
+        let (a, b) = (cauchy(&material, &flat, 1.3, 0.9), cauchy(&material, &space, 1.3, 0.9));
+        assert!(b[8].abs() > 10.0 && b[0].abs() > 10.0, "there is a stress to compare: {b:?}");
+        for (a, b) in a.iter().zip(b) {
+            assert!((a - b).abs() < 1e-9 * 1.4e5, "{a} {b}");
+        }
+    }
 }

@@ -161,11 +161,10 @@ impl<'a> Film<'a> {
 
     /// The pictures of what is seen of the chosen frames, each once.
     fn strip(&self, chosen: &[usize], seen: &[Seen], view: &View) -> anyhow::Result<ReportStrip> {
-        let spacing = self.spacing();
         let frames = distinct(chosen);
         let mut pictures = Vec::new();
         for (&frame, seen) in frames.iter().zip(seen) {
-            let drawing = moment(&seen.moment(spacing), view, WIDTH)?;
+            let drawing = moment(&seen.moment(), view, WIDTH)?;
             pictures.push(ReportPicture {
                 png: drawing.paint().indexed_png(COLOURS),
                 caption: format!("{}, {}", self.clock(frame), seen.words()),
@@ -220,6 +219,7 @@ impl<'a> Film<'a> {
             let instant = Instant {
                 time: frame.time,
                 positions: &in_world(&frames, frame),
+                spacing: self.spacing(),
                 fragments: &fragments,
                 least_mass: ruler.least_mass,
                 colliders: &scene.collider,

@@ -1,5 +1,6 @@
 //! What is seen of a run: from where, and of each frame the particles and obstacles in the plane of the picture.
 
+mod light;
 mod outline;
 mod seen;
 mod viewpoint;

@@ -8,10 +8,9 @@ use crate::metrics::FragmentAnalysis;
 use crate::spec::scene::{BallSpec, BoxSpec, ColliderSpec, SolidSpec};
 
 use super::Viewpoint;
+use super::light::{lights, lit};
 use super::outline::{circle, outline};
 
-/// Lightness of the particles furthest from the eye over that of the nearest, in pictures of space (chosen: depth is seen, colours are still told apart).
-const FAR: f64 = 0.45;
 /// Half the side of a floor or wall in space over the radius of what is looked at (chosen: it is seen to end, and its end is not in the way).
 const REACH: f64 = 1.4;
 
@@ -22,6 +21,8 @@ pub struct Instant<'a> {
     pub time: f64,
     /// Positions [m]; the last of a plane is 0.
     pub positions: &'a [[f64; 3]],
+    /// Between them at rest [m].
+    pub spacing: f64,
     /// Their fragments.
     pub fragments: &'a FragmentAnalysis,
     /// Below it a piece is dust [kg].
@@ -35,6 +36,8 @@ pub struct Instant<'a> {
 pub struct Seen {
     /// Whether it is seen in space.
     in_space: bool,
+    /// Between particles at rest [m].
+    spacing: f64,
     /// Positions in the picture [m], in the order in which they are painted.
     pub positions: Vec<[f64; 2]>,
     /// Colour of each.
@@ -52,22 +55,21 @@ pub struct Seen {
 impl Seen {
     /// A plane as it is, or space from a viewpoint.
     pub fn of(instant: &Instant<'_>, viewpoint: Option<&Viewpoint>) -> Self {
-        let Instant { time, positions, fragments, least_mass, colliders } = *instant;
+        let Instant { time, positions, spacing, fragments, least_mass, colliders } = *instant;
         let count = fragments.count(least_mass);
         let rank = |p: usize| Some(fragments.labels()[p] as usize).filter(|rank| *rank < count);
         let colour = |p: usize| rank(p).map_or(DUST, style::category);
+        let lights = viewpoint.map(|view| lights(positions, spacing, view));
         let mut painted: Vec<(f64, [f64; 2], Ink)> = Vec::with_capacity(positions.len());
         for (p, position) in positions.iter().enumerate() {
-            painted.push(match viewpoint {
-                // Dust first, then from the heaviest fragment to the lightest, so that small pieces are seen.
-                None => {
-                    (rank(p).map_or(0.0, |rank| rank as f64 + 1.0), [position[0], position[1]], colour(p))
-                }
-                Some(view) => {
+            painted.push(match (viewpoint, &lights) {
+                (Some(view), Some(lights)) => {
                     let [right, upright, near] =
                         view.seen(&(Vector::<f64, 3>::from(*position) - view.centre)).into();
-                    (near, [right, upright], shaded(colour(p), 0.5 + 0.5 * near / view.radius()))
+                    (near, [right, upright], lit(colour(p), lights[p]))
                 }
+                // Dust first, then from the heaviest fragment to the lightest, so that small pieces are seen.
+                _ => (rank(p).map_or(0.0, |rank| rank as f64 + 1.0), [position[0], position[1]], colour(p)),
             });
         }
         let heavy: Vec<[f64; 2]> =
@@ -81,6 +83,7 @@ impl Seen {
         let bounds = bounds(if heavy.is_empty() { &positions } else { &heavy });
         Seen {
             in_space: viewpoint.is_some(),
+            spacing,
             positions,
             inks,
             obstacles,
@@ -90,12 +93,12 @@ impl Seen {
         }
     }
 
-    /// Its particles, `spacing` apart at rest [m], and obstacles, to be drawn.
-    pub fn moment(&self, spacing: f64) -> Moment<'_> {
+    /// Its particles and obstacles, to be drawn.
+    pub fn moment(&self) -> Moment<'_> {
         Moment {
             positions: &self.positions,
             inks: &self.inks,
-            spacing,
+            spacing: self.spacing,
             obstacles: &self.obstacles,
             obstacles_behind: self.in_space,
         }
@@ -106,12 +109,6 @@ impl Seen {
         let noun = if self.count == 1 { "fragment" } else { "fragments" };
         format!("{} {noun}, largest {:.0}\u{a0}%", self.count, 100.0 * self.largest_share)
     }
-}
-
-/// The colour of a particle at `nearness` from 0, the furthest, to 1.
-fn shaded(ink: Ink, nearness: f64) -> Ink {
-    let light = FAR + (1.0 - FAR) * nearness.clamp(0.0, 1.0);
-    Ink { rgb: ink.rgb.map(|channel| (f64::from(channel) * light).round() as u8), ..ink }
 }
 
 /// An obstacle in space: of a floor or wall a square near to what is looked at, of a ball its disc, of a box the faces that are turned to who looks.
@@ -176,15 +173,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_near_is_bright_and_painted_last() {
-        let ink = Ink::hex(0xc86400);
-        assert_eq!(shaded(ink, 1.0), ink);
-        assert_eq!(shaded(ink, 0.0).rgb, [90, 45, 0]);
+    fn what_is_near_is_painted_last() {
         let fragments = FragmentAnalysis::of_partition(&[0, 0, 0], &[1.0; 3]).expect("sound");
         let positions = [[0.1, 0.0, 1.0], [0.2, 0.0, -1.0], [0.3, 0.0, 0.0]];
         let instant = Instant {
             time: 0.0,
             positions: &positions,
+            spacing: 1.0,
             fragments: &fragments,
             least_mass: 0.5,
             colliders: &[],
@@ -193,7 +188,6 @@ mod tests {
         (view.towards, view.up) = (Vector::<f64, 3>::z(), Vector::<f64, 3>::y());
         let seen = Seen::of(&instant, Some(&view));
         assert_eq!(seen.positions, [[0.2, 0.0], [0.3, 0.0], [0.1, 0.0]]);
-        assert!(seen.inks.windows(2).all(|pair| pair[0].rgb < pair[1].rgb), "{:?}", seen.inks);
         assert_eq!(seen.words(), "1 fragment, largest 100\u{a0}%");
         let flat = Seen::of(&instant, None);
         assert_eq!(flat.positions, [[0.1, 0.0], [0.2, 0.0], [0.3, 0.0]], "a plane has no depth");

@@ -46,6 +46,18 @@ impl RegionSpec {
             RegionSpec::Difference { solid, removed } => [solid.meshes(), removed.meshes()].concat(),
         }
     }
+
+    /// [`RegionSpec::meshes`], to be changed.
+    pub fn meshes_mut(&mut self) -> Vec<&mut MeshSpec> {
+        match self {
+            RegionSpec::Ball(_) | RegionSpec::Box(_) | RegionSpec::Ellipsoid { .. } => Vec::new(),
+            RegionSpec::Mesh(mesh) => vec![mesh],
+            RegionSpec::Union { parts } => parts.iter_mut().flat_map(RegionSpec::meshes_mut).collect(),
+            RegionSpec::Difference { solid, removed } => {
+                solid.meshes_mut().into_iter().chain(removed.meshes_mut()).collect()
+            }
+        }
+    }
 }
 
 /// A closed surface of triangles in a file.
