@@ -62,7 +62,7 @@ fn changed(now: &[u8], before: Option<&[u8]>, [width, height]: [usize; 2]) -> gi
     }
 }
 
-/// The colours that are most often seen.
+/// The colours of all frames, and for each coarse colour the nearest of them.
 struct Palette {
     colours: Vec<[u8; 3]>,
     nearest: HashMap<u32, u8>,
@@ -71,6 +71,30 @@ struct Palette {
 /// A colour without the bits that are not told apart.
 fn coarse(rgb: [u8; 3]) -> u32 {
     rgb.iter().fold(0, |code, channel| (code << BITS) | u32::from(channel >> (8 - BITS)))
+}
+
+/// Square of the distance of two colours.
+fn distance(a: [u8; 3], b: [u8; 3]) -> u64 {
+    (0..3).map(|k| u64::from(a[k].abs_diff(b[k])).pow(2)).sum()
+}
+
+/// One colour after the other, each time that of which most is lost without it: how often it is seen times its squared distance from those chosen before.
+/// So a small piece in a colour of its own keeps it. `seen` begins with the most frequent.
+fn chosen(seen: &[(usize, [u8; 3], u32)]) -> Vec<[u8; 3]> {
+    let mut losses = vec![u64::MAX; seen.len()];
+    let mut colours: Vec<[u8; 3]> = Vec::new();
+    while colours.len() < COLOURS {
+        let lost = |n: &usize| (seen[*n].0 as u64).saturating_mul(losses[*n]);
+        let Some(most) = (0..seen.len()).filter(|n| losses[*n] > 0).max_by_key(|n| (lost(n), usize::MAX - n))
+        else {
+            break;
+        };
+        colours.push(seen[most].1);
+        for (loss, (_, rgb, _)) in losses.iter_mut().zip(seen) {
+            *loss = (*loss).min(distance(*rgb, seen[most].1));
+        }
+    }
+    colours
 }
 
 impl Palette {
@@ -90,13 +114,9 @@ impl Palette {
             })
             .collect();
         seen.sort_unstable_by(|a, b| b.cmp(a));
-        let colours: Vec<[u8; 3]> = seen.iter().take(COLOURS).map(|(_, rgb, _)| *rgb).collect();
-        let nearest = |rgb: [u8; 3]| {
-            let distance = |other: &[u8; 3]| -> i32 {
-                (0..3).map(|k| (i32::from(other[k]) - i32::from(rgb[k])).pow(2)).sum()
-            };
-            (0..colours.len()).min_by_key(|&n| distance(&colours[n])).unwrap_or(0) as u8
-        };
+        let colours = chosen(&seen);
+        let nearest =
+            |rgb: [u8; 3]| (0..colours.len()).min_by_key(|&n| distance(colours[n], rgb)).unwrap_or(0) as u8;
         let nearest = seen.iter().map(|(_, rgb, code)| (*code, nearest(*rgb))).collect();
         Palette { colours, nearest }
     }
@@ -145,5 +165,18 @@ mod tests {
         }
         assert!(decoder.read_next_frame().unwrap().is_none());
         assert!(gif(&[], 8, 100).unwrap().is_empty());
+    }
+
+    /// A handful of pixels in a colour of its own beside thousands of shades of another.
+    #[test]
+    fn what_is_rare_and_different_keeps_its_colour() {
+        let shades = (0..4000_usize).map(|k| [(k % 250) as u8, (k / 250 * 16) as u8, 0]);
+        let mut pixels: Vec<u8> = shades.flat_map(|rgb| [rgb, rgb]).flatten().collect();
+        pixels.extend([10, 20, 250].repeat(4));
+        let image = Image { width: 8004, height: 1, pixels };
+        let palette = Palette::of(std::slice::from_ref(&image));
+        assert_eq!(palette.colours.len(), COLOURS);
+        let indices = palette.indices(&image);
+        assert_eq!(palette.colours[usize::from(indices[8003])], [10, 20, 250]);
     }
 }
