@@ -44,14 +44,14 @@ $(MITSUBA):
 	python3 -m venv target/mitsuba && $@ -m pip install --quiet mitsuba==3.9.1
 
 render: $(MITSUBA) ## draw the balls at the wall in space, before, at and after the impact; pictures go to results/wall3d/pictures
-	$(SNOWLAB) run studies/wall3d.toml --profile film --jobs 1 || [ $$? -eq 3 ]
+	$(SNOWLAB) run studies/wall3d.toml --profile film --jobs $(JOBS) || [ $$? -eq 3 ]
 	$(SNOWLAB) render studies/wall3d.toml --profile film --arms random,spheres --frame 0,16,40 --preset still \
 		--python $(MITSUBA) --out results/wall3d/pictures
 
 animate: ## draw PS17's four snowballs and the balls at the wall as GIF, into results/placement/figures and results/wall3d/figures
 	$(SNOWLAB) run studies/placement.toml --profile film --jobs $(JOBS) || [ $$? -eq 3 ]
 	$(SNOWLAB) animate studies/placement.toml --profile film --output results/placement/figures/snowballs.gif
-	$(SNOWLAB) run studies/wall3d.toml --profile film --jobs 1 || [ $$? -eq 3 ]
+	$(SNOWLAB) run studies/wall3d.toml --profile film --jobs $(JOBS) || [ $$? -eq 3 ]
 	$(SNOWLAB) animate studies/wall3d.toml --profile film --output results/wall3d/figures/snowballs.gif
 
 verify: ## show what the solver has been shown to do; docs/verification.md, tables and figures in results/verify

@@ -55,7 +55,7 @@ impl Preset {
                 Quality { width: 640, height: 480, samples: 48, depth: 8, grain: 0.5, has_volume: false }
             }
             Preset::Still => {
-                Quality { width: 960, height: 720, samples: 64, depth: 96, grain: 0.24, has_volume: true }
+                Quality { width: 800, height: 600, samples: 40, depth: 64, grain: 0.24, has_volume: true }
             }
         }
     }
