@@ -56,10 +56,8 @@ fn frames_of_every_arm_are_shown() {
             let said = page.matches(&format!("alt=\"{arm}, ")).count();
             assert_eq!(said, first(arm), "{arm}: a picture a frame");
         }
-        assert!(
-            page.contains("0.0 R&#x2f;v after contact: 1 fragment, the largest with 100 % of the mass.\"")
-        );
-        assert_eq!(page.contains("seen along the last axis"), of_space);
+        assert!(page.contains("0.0 R&#x2f;v after contact: 1 fragment, largest 100\u{a0}% of the mass.\""));
+        assert_eq!(page.contains("seen from before the walls"), of_space);
     }
 }
 

@@ -116,12 +116,13 @@ fn for_scene<'a>(
 /// Writes a scene whose files are named from `folder`: where it comes to lie elsewhere, by their whole paths.
 fn write(file: &Path, scene: &SceneSpec, folder: &Path) -> anyhow::Result<()> {
     let mut scene = scene.clone();
-    let target = file.parent().unwrap_or(Path::new("."));
-    if std::path::absolute(target)? != std::path::absolute(folder)? {
+    // Of a bare name the folder is empty, which is none.
+    let whole = |path: &Path| std::path::absolute(Path::new(".").join(path));
+    if whole(file.parent().unwrap_or(Path::new(".")))? != whole(folder)? {
         for mesh in
             scene.body.iter_mut().filter_map(|body| body.region.as_mut()).flat_map(RegionSpec::meshes_mut)
         {
-            mesh.path = std::path::absolute(folder.join(&mesh.path))?.display().to_string();
+            mesh.path = whole(&folder.join(&mesh.path))?.display().to_string();
         }
     }
     std::fs::write(file, toml::to_string(&scene)?).with_context(|| file.display().to_string())
