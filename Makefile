@@ -52,7 +52,7 @@ animate: ## draw PS17's four snowballs and the balls at the wall as GIF, into re
 	$(SNOWLAB) run studies/placement.toml --profile film --jobs $(JOBS) || [ $$? -eq 3 ]
 	$(SNOWLAB) animate studies/placement.toml --profile film --output results/placement/figures/snowballs.gif
 	$(SNOWLAB) run studies/wall3d.toml --profile film --jobs $(JOBS) || [ $$? -eq 3 ]
-	$(SNOWLAB) animate studies/wall3d.toml --profile film --output results/wall3d/figures/snowballs.gif
+	$(SNOWLAB) animate studies/wall3d.toml --profile film --every 5 --width 480 --rate 8 --output results/wall3d/figures/snowballs.gif
 
 verify: ## show what the solver has been shown to do; docs/verification.md, tables and figures in results/verify
 	$(SNOWLAB) verify --page docs/verification.md
