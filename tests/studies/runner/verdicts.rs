@@ -91,6 +91,42 @@ fn a_claim_is_measured_by_its_own_spacing() {
     assert_ne!(rows_by("0.05", "")[3], by_study[3], "the spacing has a say in this scene");
 }
 
+/// Where grids differ, each arm is read as well by someone who has it alone: all particles, by the spacing of its own grid.
+#[test]
+fn arms_on_other_grids_are_read_by_their_own_grid_as_well() {
+    let coarse = "[[arm]]\nid = \"coarse\"\nset = { \"numerics.spacing\" = 0.1, \"body.0.placement.count\" = 200 }\n\
+        [[claim]]\nid = \"grid\"\nsentence = \"The grid decides.\"\ncontrast = { paired = { treated = \"coarse\", control = \"random\" } }\n";
+    let by = |measure: &str| {
+        let text = study(&[ARMS, coarse].concat());
+        let text = text.replace("largest_spacing = 0.05", &format!("largest_spacing = {measure}"));
+        let desk = Desk::with(&[("study.toml", &text)]);
+        desk.expect(0, "run study.toml --jobs 2");
+        desk.expect(0, "report study.toml");
+        (rows(&desk.read("results/tiny/cases.csv")), rows(&desk.read("results/tiny/robustness.csv")))
+    };
+    let of = |cases: &[std::collections::BTreeMap<String, String>], arm: &str| -> f64 {
+        let values: Vec<f64> = cases
+            .iter()
+            .filter(|case| case["arm"] == arm)
+            .map(|case| case["ln_neff"].parse().unwrap())
+            .collect();
+        assert_eq!(values.len(), 2);
+        values.iter().sum::<f64>() / 2.0
+    };
+    let (by_coarse, readings) = by("0.1");
+    let (by_fine, _) = by("0.05");
+    let own: Vec<_> =
+        readings.iter().filter(|row| row["variation"] == "each by its own grid, all particles").collect();
+    assert_eq!(own.len(), 1, "the grids of the other claim's arms are the same");
+    assert_eq!(own[0]["claim"], "grid");
+    let effect: f64 = own[0]["effect"].parse().unwrap();
+    assert!((effect - (of(&by_coarse, "coarse") - of(&by_fine, "random"))).abs() < 1e-9, "{effect}");
+    assert!(
+        (of(&by_fine, "random") - of(&by_coarse, "random")).abs() > 1e-6,
+        "the ruler has a say in this scene"
+    );
+}
+
 /// A claim is read under the conditions that have all its arms; each effect is that of the arms' values there.
 #[test]
 fn claims_are_read_under_other_conditions() {

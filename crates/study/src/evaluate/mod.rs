@@ -7,7 +7,7 @@ mod start;
 mod stretched;
 mod variations;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::claims::{
     ArmValue, Assessment, CaseStatus, Check, Claim, Conditions, DensityNoise, DensityNoiseAssessment,
@@ -147,7 +147,14 @@ impl Member {
         let blocks = blocks_of(results, |case| arms.iter().find(|arm| **arm == case.case.arm).copied());
         let (calibration, words) = calibrator.calibrate(&blocks, &measure)?;
         let flood_side = flood_side(&blocks, measure.largest_spacing);
-        let yardstick = Yardstick { measure, primary: calibration.primary(), flood_side };
+        let spacings: BTreeSet<u64> =
+            blocks.values().flatten().map(|result| result.case.scene.numerics.spacing.to_bits()).collect();
+        let yardstick = Yardstick {
+            measure,
+            primary: calibration.primary(),
+            flood_side,
+            grids_differ: spacings.len() > 1,
+        };
         let (mut rows, mut checks, mut others) = (Vec::new(), BTreeMap::new(), BTreeMap::new());
         for block in blocks.values() {
             let count = equal_count(block);
@@ -157,8 +164,8 @@ impl Member {
                 for (check, value) in measured.iter().flat_map(|m| m.checks) {
                     put(&mut checks, check, arm_value(result, Some(value), true));
                 }
-                for (name, value) in measured.iter().flat_map(|m| m.others) {
-                    put(&mut others, name, arm_value(result, Some(value), true));
+                for (name, value) in measured.iter().flat_map(|m| &m.others) {
+                    put(&mut others, *name, arm_value(result, Some(*value), true));
                 }
             }
         }

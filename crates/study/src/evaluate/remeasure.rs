@@ -23,7 +23,7 @@ pub struct Remeasured {
     /// The same endpoint measured otherwise.
     pub checks: [(Check, f64); 5],
     /// The same by rulers that the rule does not ask for.
-    pub others: [(&'static str, f64); 2],
+    pub others: Vec<(&'static str, f64)>,
 }
 
 /// By what a claim is measured.
@@ -35,6 +35,8 @@ pub struct Yardstick {
     pub primary: Primary,
     /// Cells of the flood fill [m]: the same for all arms of the claim.
     pub flood_side: f64,
+    /// Whether the claim's arms have different grids.
+    pub grids_differ: bool,
 }
 
 /// Measures a case anew; `None` where it cannot be.
@@ -54,7 +56,7 @@ fn remeasure_in<const D: usize>(
     archive: &Archive,
     result: &CaseResult,
     count: usize,
-    Yardstick { measure: spec, primary, flood_side }: &Yardstick,
+    Yardstick { measure: spec, primary, flood_side, grids_differ }: &Yardstick,
 ) -> Result<Option<Remeasured>, StoreError> {
     let Some(metrics) = &result.metrics else { return Ok(None) };
     let frames: Frames<D> = archive.store.case(&result.key).read_frames()?;
@@ -104,7 +106,18 @@ fn remeasure_in<const D: usize>(
         let bonds = BondGraph::new(&points(first), ruler.spacing)?;
         Ok(bonds.analyse(&points(last), &frames.masses)?.fragments.log_effective_number())
     };
+    // What someone sees who has this case alone.
+    let own_link = spec.link_ratio * result.case.scene.numerics.spacing;
+    let by_own_grid =
+        || number(last, all, &|points, masses| Ok(by_link(own_link)(points, masses)?.log_effective_number()));
     let measured = (|| -> Result<Remeasured, MetricError> {
+        let mut others = vec![
+            ("link 4h", at(last, &by_link(4.0 * ruler.spacing))?),
+            ("without dust", number(last, count, &without_dust)?),
+        ];
+        if *grids_differ {
+            others.push(("each by its own grid, all particles", by_own_grid()?));
+        }
         Ok(Remeasured {
             primary: at(last, &by_primary)?,
             whole: whole(first)?,
@@ -115,10 +128,7 @@ fn remeasure_in<const D: usize>(
                 (Check::BondGraph, bonds()?),
                 (Check::EarlierTime, at(earlier, &by_primary)?),
             ],
-            others: [
-                ("link 4h", at(last, &by_link(4.0 * ruler.spacing))?),
-                ("without dust", number(last, count, &without_dust)?),
-            ],
+            others,
         })
     })();
     Ok(measured.ok())
