@@ -11,6 +11,22 @@ fn a_study_of_one_block_without_claims_has_its_charts() {
     assert!(printed.contains("figures/link-curves.png"), "{printed}");
 }
 
+/// Endpoints of all arms against the numbers of one axis, by the words that the study has for it.
+#[test]
+fn what_a_sweep_does_is_drawn() {
+    let sweep =
+        "[[sweep]]\nname = \"flip_step\"\npath = \"numerics.flip_reference_step\"\nvalues = [1e-5, 1e-4]\n";
+    let words = "axis_label = \"steps <of [s]\"\n";
+    let arms = "[[arm]]\nid = \"random\"\n";
+    for (sweep, said) in [(sweep.to_string(), "flip_step"), ([sweep, words].concat(), "steps &lt;of [s]")] {
+        let desk = Desk::with(&[("study.toml", &study(&[arms, &sweep].concat()))]);
+        desk.expect(0, "run study.toml --jobs 2");
+        let printed = desk.expect(0, "report study.toml");
+        assert!(printed.contains("figures/flip-step.png"), "{printed}");
+        assert!(desk.read("results/tiny/report.html").contains(&format!("Fragments along {said}")));
+    }
+}
+
 /// What the report warns of is what the study file says.
 #[test]
 fn caveats_come_from_the_study() {

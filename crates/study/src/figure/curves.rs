@@ -239,7 +239,13 @@ fn settings(curves: &[Curve<'_>]) -> Vec<Tick> {
     let mut values: Vec<f64> = curves.iter().flat_map(|curve| curve.x).copied().collect();
     values.sort_by(f64::total_cmp);
     values.dedup();
-    values.into_iter().map(|value| Tick { value, label: style::number(value, 3) }).collect()
+    values.into_iter().map(|value| Tick { value, label: style::number(value, digits(value)) }).collect()
+}
+
+/// Digits after the point of a setting: three, or as many as show two of those that count.
+fn digits(value: f64) -> usize {
+    let leading = if value == 0.0 { 0.0 } else { -libm::log10(value.abs()).floor() };
+    (leading + 1.0).max(3.0) as usize
 }
 
 /// One small panel per arm.
@@ -446,4 +452,15 @@ fn spaced(wanted: &[f64], step: f64, area: Rect) -> Vec<f64> {
         most = *row - step;
     }
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{digits, style};
+
+    #[test]
+    fn small_settings_are_told_apart() {
+        let told = [12.0, 0.25, 1e-3, 2.5e-5, 0.0].map(|value| style::number(value, digits(value)));
+        assert_eq!(told, ["12", "0.25", "0.001", "0.000025", "0"]);
+    }
 }

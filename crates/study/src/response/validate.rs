@@ -69,6 +69,7 @@ pub fn axis(surface: &Surface, number: usize, targets: &[Target]) -> Option<Swee
         sample: None,
         labels: Some(own.iter().map(|(_, target)| format!("{:.4}", target.wanted)).collect()),
         numbers: Some(own.iter().map(|(index, _)| (index + 1) as f64).collect()),
+        axis_label: None,
         arms: vec![surface.data.arm.clone()],
     })
 }

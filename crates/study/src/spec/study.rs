@@ -247,12 +247,20 @@ pub struct SweepSpec {
     /// Numbers that stand for the values in tables; the values themselves when left out.
     #[serde(default)]
     pub numbers: Option<Vec<f64>>,
+    /// Words for the axis in figures, with the unit; its name when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axis_label: Option<String>,
     /// Arms that are run along it; all when left out. The others are run once, without what it sets.
     #[serde(default)]
     pub arms: Vec<String>,
 }
 
 impl SweepSpec {
+    /// Words for it in figures.
+    pub fn axis_label(&self) -> &str {
+        self.axis_label.as_deref().unwrap_or(&self.name)
+    }
+
     /// Number of its points.
     pub fn points(&self) -> usize {
         self.sample.as_ref().map_or(self.values.len(), |sample| sample.points as usize)

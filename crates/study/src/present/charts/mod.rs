@@ -8,6 +8,7 @@ mod maps;
 mod pilot;
 mod response;
 mod stretch;
+mod swept;
 mod trade;
 
 pub use claims::contrast;
@@ -42,7 +43,8 @@ pub fn all(findings: Findings) -> anyhow::Result<Vec<Titled>> {
         return maps::charts(findings);
     }
     if !findings.archive.study.spec.sweep.is_empty() {
-        return Ok(pilot::pilot_chart(findings)?.into_iter().collect());
+        let pilot = pilot::pilot_chart(findings)?;
+        return Ok(if pilot.is_some() { pilot } else { swept::chart(findings)? }.into_iter().collect());
     }
     let arms = Arms::of(findings);
     let charts = [
