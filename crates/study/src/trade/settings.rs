@@ -28,8 +28,15 @@ const ORDERS: [f64; 2] = [0.5, 2.0];
 /// Errors below so many times that of the reference are not told from it (study plan).
 const AT_REFERENCE: f64 = 2.0;
 /// Keys of `numerics` that make a setting, beside the spacing.
-pub(super) const KEYS: [&str; 6] =
-    ["kernel", "transfer", "precision", "wave_courant", "advective_courant", "integrator"];
+pub(super) const KEYS: [&str; 7] = [
+    "kernel",
+    "transfer",
+    "flip_reference_step",
+    "precision",
+    "wave_courant",
+    "advective_courant",
+    "integrator",
+];
 
 /// E of an arm, scene by scene.
 struct Known<'a> {
