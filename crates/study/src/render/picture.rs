@@ -55,7 +55,7 @@ impl Preset {
                 Quality { width: 640, height: 480, samples: 48, depth: 8, grain: 0.5, has_volume: false }
             }
             Preset::Still => {
-                Quality { width: 800, height: 600, samples: 40, depth: 64, grain: 0.24, has_volume: true }
+                Quality { width: 800, height: 600, samples: 40, depth: 24, grain: 0.24, has_volume: true }
             }
         }
     }
@@ -63,8 +63,9 @@ impl Preset {
 
 /// Cells of the volume over the distance between particles at rest (chosen: fewer show single particles as clouds, more blur cracks).
 const CELL: f64 = 1.15;
-/// Extinction of snow at rest [1/m] times half the body's largest extent: opaque, with a bright edge (chosen by eye).
-const OPTICAL_RADIUS: f64 = 21.0;
+/// Extinction of snow at rest [1/m] times the radius of a ball as heavy as the body: opaque, with a bright edge (chosen by eye). Light scatters alike in all directions: as half
+/// of it forward would on twice as many ways, which costs twice as much and is not seen.
+const OPTICAL_RADIUS: f64 = 10.5;
 /// A density above this is drawn as this (chosen: compacted snow reaches it; the greatest of the volume sets the cost of all of it).
 const MOST_DENSITY: f64 = 1.5;
 /// Half the side of a floor or wall over the radius of what is looked at (chosen: its end is a horizon far behind).
