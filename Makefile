@@ -20,7 +20,7 @@ pilot: ## run the pilot that chose the study's speed; its table goes to results/
 	$(SNOWLAB) report studies/pilot.toml
 
 # What docs/findings.md is made of, beside the comparison itself.
-OTHERS = pilot replicates stencil stencil3d knob tradeoff tradeoff-fragments
+OTHERS = pilot replicates damping stencil stencil3d knob tradeoff tradeoff-fragments wall3d
 
 full: ## run every study of docs/findings.md in full, under 10 h on two cores, and write that page; stopped, it goes on where it was
 	for study in $(OTHERS) placement "placement --profile full"; do \

@@ -23,8 +23,19 @@ fn make(desk: &Desk, target: &str) -> (Option<i32>, String) {
 fn desk() -> Desk {
     let desk = Desk::new();
     std::fs::create_dir(desk.path("studies")).unwrap();
-    let others = ["pilot", "replicates", "stencil", "stencil3d", "knob", "tradeoff", "tradeoff-fragments"];
-    for name in others.into_iter().chain(["placement"]) {
+    let names = [
+        "pilot",
+        "replicates",
+        "damping",
+        "stencil",
+        "stencil3d",
+        "knob",
+        "tradeoff",
+        "tradeoff-fragments",
+        "wall3d",
+        "placement",
+    ];
+    for name in names {
         desk.write(&format!("studies/{name}.toml"), &study(ARMS).replace("\"tiny\"", &format!("{name:?}")));
     }
     desk
@@ -43,7 +54,8 @@ fn reports_are_written_of_what_has_been_run() {
     assert!(printed.contains("knob has not been run; `make full` runs it"), "{printed}");
     let index = desk.read("results/index.html");
     assert!(
-        index.contains("placement&#x2f;report.html") && index.contains("Without results: knob, pilot"),
+        index.contains("placement&#x2f;report.html")
+            && index.contains("Without results: damping, knob, pilot"),
         "{index}"
     );
 }
