@@ -44,6 +44,8 @@ pub struct Guide<'a> {
 pub enum Spread {
     /// A shaded band: the abscissae sample a continuous quantity.
     Band,
+    /// The same, every curve in a small panel: what their abscissae stand for differs.
+    BandsApart,
     /// A bar at every point, those of several arms beside each other: the abscissae are settings.
     Bars,
     /// A point at every setting, without any uncertainty: equal curves lie on each other, the later smaller.
@@ -115,7 +117,7 @@ pub fn curves(figure: &Curves<'_>) -> Result<Drawing, FigureError> {
     }
     let all = figure.quantities.iter().flat_map(|quantity| quantity.curves).flat_map(|curve| curve.x);
     let marked = figure.mark.map(|(x, _)| x);
-    let pad = if figure.spread == Spread::Band { 0.0 } else { 0.06 };
+    let pad = if figure.spread.is_band() { 0.0 } else { 0.06 };
     let x = Axis::around(figure.x_scale, all.copied().chain(marked), pad);
     let heights: Vec<f64> = figure.quantities.iter().map(|quantity| height(figure, quantity)).collect();
     let note = if figure.note.is_empty() { 0.0 } else { TICK + 14.0 };
@@ -126,7 +128,7 @@ pub fn curves(figure: &Curves<'_>) -> Result<Drawing, FigureError> {
         let mut top = first;
         for (quantity, height) in figure.quantities.iter().zip(heights) {
             let axes = [x, vertical(quantity)];
-            if quantity.curves.len() <= SHARED {
+            if share_a_panel(figure, quantity) {
                 shared(sheet, figure, quantity, axes, [top, top + height])?;
             } else {
                 separate(sheet, figure, quantity, axes, top)?;
@@ -149,6 +151,16 @@ fn vertical(quantity: &Quantity<'_>) -> Axis {
     if below || lowest == f64::INFINITY { axis } else { Axis { low: lowest, ..axis } }
 }
 
+impl Spread {
+    fn is_band(self) -> bool {
+        matches!(self, Spread::Band | Spread::BandsApart)
+    }
+}
+
+fn share_a_panel(figure: &Curves<'_>, quantity: &Quantity<'_>) -> bool {
+    quantity.curves.len() <= SHARED && figure.spread != Spread::BandsApart
+}
+
 /// Columns and rows of the small panels.
 fn grid(arms: usize) -> (usize, usize) {
     let columns = if arms <= 9 { 3 } else { 4 };
@@ -156,10 +168,11 @@ fn grid(arms: usize) -> (usize, usize) {
 }
 
 const SMALL_HEIGHT: f64 = 210.0;
-const SMALL_GAP: [f64; 2] = [30.0, 72.0];
+/// Between small panels [pixels]: the last number of one axis and the first of the next stand apart.
+const SMALL_GAP: [f64; 2] = [50.0, 72.0];
 
 fn height(figure: &Curves<'_>, quantity: &Quantity<'_>) -> f64 {
-    if quantity.curves.len() <= SHARED {
+    if share_a_panel(figure, quantity) {
         let plot = if figure.quantities.len() == 1 { 620.0 } else { 400.0 };
         plot + BELOW + 34.0
     } else {
@@ -183,7 +196,7 @@ fn shared(
     let right = if above { 12.0 } else { names.fold(120.0, f64::max) + 26.0 };
     area.right = sheet.width - MARGIN - right;
     let mut panel = match figure.spread {
-        Spread::Band => Panel::new(sheet, area, x, y)?,
+        Spread::Band | Spread::BandsApart => Panel::new(sheet, area, x, y)?,
         Spread::Bars | Spread::Points => {
             let ticks = settings(curves);
             let ticks = if ticks.len() > MOST_SETTINGS { x.ticks(MOST_SETTINGS) } else { ticks };
@@ -196,7 +209,7 @@ fn shared(
         return panel.draw_empty("no data");
     }
     marks(sheet, &panel, figure, quantity, true)?;
-    if figure.spread == Spread::Band {
+    if figure.spread.is_band() {
         for (index, curve) in curves.iter().enumerate() {
             band(&panel, curve, style::category(index))?;
         }
@@ -205,7 +218,7 @@ fn shared(
         // The arms' bars at one setting stand beside each other, each on an area of its own that is shifted.
         let shift = DODGE * (index as f64 - 0.5 * (curves.len() as f64 - 1.0));
         match figure.spread {
-            Spread::Band => middle(&mut panel, curve, style::category(index))?,
+            Spread::Band | Spread::BandsApart => middle(&mut panel, curve, style::category(index))?,
             Spread::Points => settings_joined(&mut panel, curve, style::category(index), index)?,
             Spread::Bars => {
                 let area = Rect { left: area.left + shift, right: area.right + shift, ..area };
@@ -288,7 +301,7 @@ fn separate(
             _ if !has_point(&panel, curve) => panel.draw_empty("no data")?,
             Spread::Points => settings_joined(&mut panel, curve, ink, 0)?,
             Spread::Bars => bars(&mut panel, curve, ink)?,
-            Spread::Band => {
+            Spread::Band | Spread::BandsApart => {
                 band(&panel, curve, ink)?;
                 middle(&mut panel, curve, ink)?;
             }
