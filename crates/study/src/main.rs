@@ -3,8 +3,12 @@
 mod command;
 
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use clap::Parser;
+use signal_hook::consts::SIGPIPE;
+use signal_hook::flag::register_conditional_default;
 
 use command::{Command, Exit};
 
@@ -31,6 +35,8 @@ Exit codes: 0 done, 1 an expectation failed or tables differ, 2 usage or bad inp
 4 stopped on demand.";
 
 fn main() -> ExitCode {
+    // Who has read enough, such as `head`, ends the program without a word, as it ends others; where that cannot be asked for, printing panics.
+    let _ = register_conditional_default(SIGPIPE, Arc::new(AtomicBool::new(true)));
     match Arguments::parse().command.run() {
         Ok(exit) => ExitCode::from(exit as u8),
         Err(error) => {

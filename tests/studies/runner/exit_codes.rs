@@ -127,3 +127,24 @@ fn three_where_a_scene_stops() {
     let printed = desk.expect(3, "simulate scene.toml --out frames");
     assert!(printed.contains("stopped(step-rejected)") && printed.contains("cells in one step"), "{printed}");
 }
+
+/// `snowlab plan | head` ends as `ls | head` does: by the signal, without a word.
+#[cfg(unix)]
+#[test]
+fn a_reader_that_has_seen_enough_is_no_error() {
+    use std::os::unix::process::ExitStatusExt;
+    use std::process::{Command, Stdio};
+    let desk = Desk::with(&[("study.toml", &study(ARMS).replace("count = 2\n", "count = 2000\n"))]);
+    let mut plan = Command::new(env!("CARGO_BIN_EXE_snowlab"))
+        .args(["plan", "--no-trials", "study.toml"])
+        .current_dir(desk.folder.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    // Many lines, of which no one reads any.
+    drop(plan.stdout.take());
+    let output = plan.wait_with_output().expect("it ends");
+    assert_eq!(output.status.signal(), Some(signal_hook::consts::SIGPIPE), "{output:?}");
+    assert!(output.stderr.is_empty(), "{output:?}");
+}
