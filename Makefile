@@ -20,7 +20,7 @@ pilot: ## run the pilot that chose the study's speed; its table goes to results/
 	$(SNOWLAB) report studies/pilot.toml
 
 # What docs/findings.md is made of, beside the comparison itself.
-OTHERS = pilot replicates damping stencil stencil3d knob tradeoff tradeoff-fragments wall3d
+OTHERS = pilot replicates damping stencil stencil3d knob knob-validation tradeoff tradeoff-fragments wall3d
 
 full: ## run every study of docs/findings.md in full, under 10 h on two cores, and write that page; stopped, it goes on where it was
 	for study in $(OTHERS) placement "placement --profile full"; do \
@@ -28,11 +28,14 @@ full: ## run every study of docs/findings.md in full, under 10 h on two cores, a
 		$(SNOWLAB) run studies/$$name.toml$$profile --jobs $(JOBS) || [ $$? -eq 3 ] || exit; \
 		$(SNOWLAB) report studies/$$name.toml$$profile || exit; \
 	done
+	$(SNOWLAB) design studies/knob.toml --score studies/knob-validation.toml
 	$(SNOWLAB) tradeoff studies/tradeoff.toml
+	$(SNOWLAB) report studies/tradeoff.toml
 	$(SNOWLAB) page docs/sources/findings.md.jinja -o docs/findings.md
 
+# The validation is of the full response only.
 quick: ## run short forms of the same, in minutes; tables, figures and reports go to target/quick
-	for study in $(OTHERS) placement; do \
+	for study in $(filter-out knob-validation,$(OTHERS)) placement; do \
 		$(SNOWLAB) run studies/$$study.toml --profile quick --jobs $(JOBS) --out target/quick || [ $$? -eq 3 ] || exit; \
 		$(SNOWLAB) report studies/$$study.toml --profile quick --out target/quick || exit; \
 	done

@@ -1,10 +1,12 @@
 //! Errors against time: what arms trade.
 
 use crate::figure::axis::Scale;
+use crate::figure::curves::{Curve, Curves, Quantity, Spread, curves};
+use crate::template::{Record, records};
 use crate::trade::{Trade, trades};
 use crate::verify::chart::{Line, Panel, chart};
 
-use super::{Findings, Titled};
+use super::{Findings, Titled, drawn};
 
 /// A chart for every point of the sweep; none where no arm is compared.
 pub(super) fn charts(findings: Findings) -> anyhow::Result<Vec<Titled>> {
@@ -31,7 +33,7 @@ pub(super) fn charts(findings: Findings) -> anyhow::Result<Vec<Titled>> {
         })
         .collect();
     // Each scene on a sheet of its own: their times have nothing in common.
-    panels
+    let of_scenes = panels
         .iter()
         .zip(&names)
         .enumerate()
@@ -46,7 +48,81 @@ pub(super) fn charts(findings: Findings) -> anyhow::Result<Vec<Titled>> {
                 drawing,
             })
         })
-        .collect()
+        .collect::<anyhow::Result<Vec<Titled>>>()?;
+    Ok(settings(findings)?.into_iter().chain(of_scenes).collect())
+}
+
+/// Settings of one family, from the fastest to the slowest.
+struct Family {
+    name: String,
+    seconds: Vec<f64>,
+    /// E, its lower and its upper limit in another scene.
+    columns: [Vec<f64>; 3],
+}
+
+/// E over all scenes against time, where `snowlab tradeoff` has timed settings.
+fn settings(findings: Findings) -> anyhow::Result<Option<Titled>> {
+    let table = findings.archive.store.root().join("settings.csv");
+    if !table.exists() {
+        return Ok(None);
+    }
+    let mut families: Vec<Family> = Vec::new();
+    let mut rows = records(&table)?;
+    let number = |row: &Record, column: &str| row.get(column).and_then(|text| text.parse::<f64>().ok());
+    rows.retain(|row| number(row, "seconds").is_some() && number(row, "error_lower").is_some());
+    rows.sort_by(|a, b| number(a, "seconds").partial_cmp(&number(b, "seconds")).expect("times are numbers"));
+    for arm in &findings.archive.study.spec.arm {
+        let Some(name) = arm.trade.as_ref().map(|trade| &trade.family) else { continue };
+        if families.iter().all(|family| family.name != *name) {
+            families.push(Family {
+                name: name.clone(),
+                seconds: Vec::new(),
+                columns: [vec![], vec![], vec![]],
+            });
+        }
+    }
+    for row in &rows {
+        let arm = findings.archive.study.spec.arm.iter().find(|arm| arm.id == row["arm"]);
+        let Some(trade) = arm.and_then(|arm| arm.trade.as_ref()) else { continue };
+        let family = families.iter_mut().find(|family| family.name == trade.family).expect("it is there");
+        family.seconds.extend(number(row, "seconds"));
+        for (column, name) in family.columns.iter_mut().zip(["error", "error_lower", "error_upper"]) {
+            column.push(number(row, name).unwrap_or(f64::NAN));
+        }
+    }
+    let shown: Vec<Curve> =
+        families.iter().filter(|family| !family.seconds.is_empty()).map(Family::curve).collect();
+    let quantity = Quantity {
+        label: "E in another scene",
+        scale: Scale::Logarithmic,
+        hold: &[],
+        level: None,
+        guides: &[],
+        curves: &shown,
+    };
+    let figure = Curves {
+        title: "",
+        x_label: "time of the first scene on one thread [s]",
+        x_scale: Scale::Logarithmic,
+        mark: None,
+        spread: Spread::Bars,
+        note: "every point a setting; bars: 90 % interval for another scene; grey: the other families",
+        quantities: &[quantity],
+    };
+    Ok(drawn(curves(&figure))?.map(|drawing| Titled {
+        name: "settings".into(),
+        title: "What accuracy costs".into(),
+        caption: "E, the largest of the relative errors of displacements, impulse and kinetic energy in the first waves, against the time of the first scene: geometric means over scenes, with the interval for a scene to come.".into(),
+        alternative: "Error of every setting against its time, by family; the numbers are in settings.csv.".into(),
+        drawing,
+    }))
+}
+
+impl Family {
+    fn curve(&self) -> Curve<'_> {
+        let [middle, low, high] = &self.columns;
+        Curve { arm: &self.name, x: &self.seconds, middle, low, high }
+    }
 }
 
 fn families(trades: &[Trade]) -> Vec<String> {
