@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 use clap::Args;
 use serde::Serialize;
 use snowlab_study::response::validate::{self, Validation};
-use snowlab_study::response::{Data, Metric, Proposal, Surface, Wanted, band, propose, sampled_arms};
+use snowlab_study::response::{Data, Metric, Proposal, Refusal, Surface, Wanted, propose, sampled_arms};
 use snowlab_study::spec::override_path;
 use snowlab_study::spec::study::{BlockSpec, StudySpec, SweepSpec};
+use snowlab_study::statistics::Interval;
 use snowlab_study::sweep::Study;
 use snowlab_study::template::records;
 use toml::Value;
@@ -25,8 +26,15 @@ const FRESH: u64 = 1000;
 /// What is wanted.
 #[derive(Debug, Args)]
 pub struct DesignArguments {
-    #[command(flatten)]
-    study: StudyArguments,
+    /// Study with a sampled axis, which has been run
+    #[arg(default_value = "studies/knob.toml")]
+    file: PathBuf,
+    /// A named variation of the study
+    #[arg(long)]
+    profile: Option<String>,
+    /// Folder of results
+    #[arg(long, default_value = "results")]
+    out: PathBuf,
     /// Effective number of fragments
     #[arg(long, group = "target")]
     neff: Option<f64>,
@@ -74,8 +82,10 @@ struct Told {
 
 /// Proposes, or prepares or judges a validation.
 pub fn design(arguments: &DesignArguments) -> anyhow::Result<Exit> {
-    let Opened { study, .. } = arguments.study.open()?;
-    let results = arguments.study.archive(&study)?.store.root().to_path_buf();
+    let DesignArguments { file, profile, out, .. } = arguments;
+    let opened = StudyArguments { file: file.clone(), profile: profile.clone(), out: out.clone() };
+    let Opened { study, .. } = opened.open()?;
+    let results = opened.archive(&study)?.store.root().to_path_buf();
     if let Some(file) = &arguments.validation {
         return write_validation(arguments, &study, &results, file);
     }
@@ -93,22 +103,19 @@ pub fn design(arguments: &DesignArguments) -> anyhow::Result<Exit> {
     let wanted = Wanted { response: libm::log(target), given: given(arguments)? };
     let surfaces = surfaces(&study, &results, metric, arguments.arm.as_deref())?;
     // Of the arms that can, the one whose balls spread least.
-    let (mut found, mut refused) = (Vec::<(&Surface, Proposal)>::new(), Vec::new());
+    let (mut found, mut refused, mut others) = (Vec::<(&Surface, Proposal)>::new(), Vec::new(), Vec::new());
     for surface in &surfaces {
         match propose(surface, &wanted) {
             Ok(proposal) => found.push((surface, proposal)),
-            Err(refusal) => {
-                let reach = band(surface, &wanted.given).map(|band| {
-                    format!("; as a number: {:.2} to {:.2}", libm::exp(band.lower), libm::exp(band.upper))
-                });
-                refused.push(format!("{}: {refusal}{}", surface.data.arm, reach.unwrap_or_default()));
-            }
+            Err(Refusal::OutOfReach { band, .. }) => refused.push((&surface.data.arm, band)),
+            Err(refusal) => others.push(format!("{}: {refusal}", surface.data.arm)),
         }
     }
     let Some((surface, proposal)) =
         found.into_iter().min_by(|a, b| a.1.prediction.deviation.total_cmp(&b.1.prediction.deviation))
     else {
-        bail!("{}", refused.join("\n"));
+        ensure!(!refused.is_empty(), "{}", others.join("\n"));
+        bail!("{}", out_of_reach(target, metric, &wanted, &refused));
     };
     let told = told(surface, &proposal);
     if let Some(path) = &arguments.scene {
@@ -120,6 +127,30 @@ pub fn design(arguments: &DesignArguments) -> anyhow::Result<Exit> {
     }
     print(&told, surface, &proposal);
     Ok(Exit::Done)
+}
+
+/// What can be had in place of what was asked for.
+fn out_of_reach(target: f64, metric: Metric, wanted: &Wanted, refused: &[(&String, Interval)]) -> String {
+    let given: Vec<String> = wanted.given.iter().map(|(name, number)| format!("{name} = {number}")).collect();
+    let with = if given.is_empty() { String::new() } else { format!(" with {}", given.join(", ")) };
+    let mut text = format!(
+        "{target} as the {} is out of reach{with}; 5 to 95 % of what is predicted over the factors' ranges:",
+        response(metric)
+    );
+    for (arm, band) in refused {
+        text += &format!("\n  {arm:16} {:.1} to {:.1}", libm::exp(band.lower), libm::exp(band.upper));
+    }
+    if !given.is_empty() {
+        text += "\nLeave out what is given to see what else reaches it.";
+    }
+    text
+}
+
+fn response(metric: Metric) -> &'static str {
+    match metric {
+        Metric::Fragments => "number of fragments",
+        _ => "effective number of fragments",
+    }
 }
 
 fn given(arguments: &DesignArguments) -> anyhow::Result<BTreeMap<String, f64>> {
@@ -163,10 +194,7 @@ fn told(surface: &Surface, proposal: &Proposal) -> Told {
     let factors = &surface.data.factors;
     Told {
         arm: surface.data.arm.clone(),
-        response: match surface.data.metric {
-            Metric::Fragments => "number of fragments",
-            _ => "effective number of fragments",
-        },
+        response: response(surface.data.metric),
         model: surface.kind.words(),
         factors: factors.iter().zip(&proposal.numbers).map(|(f, n)| (f.name.clone(), *n)).collect(),
         mean: libm::exp(proposal.prediction.mean),
@@ -231,7 +259,7 @@ fn write_validation(
     let head = format!(
         "# Made by `snowlab design {} --validation FILE --targets {count}` from its results, and not changed since: targets spread over what can be\n\
          # reached, each with the placement that was proposed for it.\n",
-        arguments.study.file.display()
+        arguments.file.display()
     );
     let text = toml::to_string(&spec).context("the study cannot be written")?;
     std::fs::write(file, head + &text).with_context(|| file.display().to_string())?;
