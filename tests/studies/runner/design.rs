@@ -150,9 +150,10 @@ fn from_a_study_to_a_scene_and_a_score() {
     let told = desk.expect(2, "design study.toml --neff 1000");
     assert!(told.contains("out of reach") && told.contains("5 to 95 %"), "{told}");
     assert!(desk.expect(2, "design study.toml").contains("--neff NUMBER"), "what is wanted is asked for");
-    let lower: f64 =
-        told.split("as a number: ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok()).unwrap();
-    let upper: f64 = told.split(" to ").last().and_then(|rest| rest.trim().parse().ok()).unwrap();
+    // The last line is "  solid  LOWER to UPPER".
+    let words: Vec<&str> = told.lines().last().unwrap().split_whitespace().collect();
+    let [_, lower, "to", upper] = words[..] else { panic!("{told}") };
+    let [lower, upper] = [lower, upper].map(|number| number.parse::<f64>().unwrap());
     let wanted = (lower * upper).sqrt();
     let json: serde_json::Value = serde_json::from_str(
         &desk.expect(0, &format!("design study.toml --neff {wanted} --scene proposed.toml --json")),

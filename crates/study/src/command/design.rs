@@ -138,7 +138,7 @@ fn out_of_reach(target: f64, metric: Metric, wanted: &Wanted, refused: &[(&Strin
         response(metric)
     );
     for (arm, band) in refused {
-        text += &format!("\n  {arm:16} {:.1} to {:.1}", libm::exp(band.lower), libm::exp(band.upper));
+        text += &format!("\n  {arm:16} {:.2} to {:.2}", libm::exp(band.lower), libm::exp(band.upper));
     }
     if !given.is_empty() {
         text += "\nLeave out what is given to see what else reaches it.";
