@@ -45,11 +45,13 @@ pub struct RecommendArguments {
 
 /// The answer.
 #[derive(Debug, Serialize)]
-struct Answer<'a> {
-    setting: &'a Setting,
+struct Answer {
+    setting: Setting,
     binding: Binding,
     /// What to set in the scene, or what the setting is without one.
     set: Table,
+    /// Whether anything strikes anything in the scene.
+    strikes: bool,
     /// Wall time [s] of the scene, or of the study's first scene on one thread.
     seconds: Option<f64>,
 }
@@ -74,10 +76,13 @@ pub fn recommend(arguments: &RecommendArguments) -> anyhow::Result<Exit> {
     for (name, value) in [("--error", wanted.error), ("--spread", wanted.spread)] {
         ensure!(value.is_none_or(|v| v > 0.0 && v.is_finite()), "{name}: allowed: numbers above 0");
     }
-    let (setting, binding) = choose(&settings, wanted)?;
     let answer = match &arguments.scene {
-        Some(path) => for_scene(arguments, setting, binding, path)?,
-        None => Answer { setting, binding, set: setting.numerics.clone(), seconds: Some(setting.seconds) },
+        Some(path) => for_scene(arguments, &settings, wanted, path)?,
+        None => {
+            let (setting, binding) = choose(&settings, wanted)?;
+            let (set, seconds) = (setting.numerics.clone(), Some(setting.seconds));
+            Answer { setting: setting.clone(), binding, set, strikes: true, seconds }
+        }
     };
     if arguments.json {
         return print_json(&answer);
@@ -86,16 +91,26 @@ pub fn recommend(arguments: &RecommendArguments) -> anyhow::Result<Exit> {
     Ok(Exit::Done)
 }
 
-fn for_scene<'a>(
+/// Wishes are held against errors at the scene's own impact; a preset is the same setting in every scene.
+fn for_scene(
     arguments: &RecommendArguments,
-    setting: &'a Setting,
-    binding: Binding,
+    settings: &[Setting],
+    wanted: Wanted,
     path: &Path,
-) -> anyhow::Result<Answer<'a>> {
+) -> anyhow::Result<Answer> {
     let (scene, text) = spec::read::<SceneSpec>(path)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let of_file = |error: spec::SpecError| error.in_text(&text).within(path.display());
     let now = facts(&scene, folder).map_err(of_file)?;
+    let at_its_impact = |setting: &Setting| setting.at(now.mach);
+    let (setting, binding) = if arguments.preset.is_some() {
+        let (setting, binding) = choose(settings, wanted)?;
+        (at_its_impact(setting), binding)
+    } else {
+        let settings: Vec<Setting> = settings.iter().map(at_its_impact).collect();
+        let (setting, binding) = choose(&settings, wanted)?;
+        (setting.clone(), binding)
+    };
     let table =
         setting.apply(&scene, folder, now.particles_per_cell).with_context(|| path.display().to_string())?;
     let made: SceneSpec = spec::parse(&toml::to_string(&table)?)?;
@@ -110,7 +125,8 @@ fn for_scene<'a>(
     let counts =
         made.body.iter().filter_map(|body| Some(toml::Value::Integer(body.placement.count()? as i64)));
     set.insert("count".into(), toml::Value::Array(counts.collect()));
-    Ok(Answer { setting, binding, set, seconds: predicted.map(|predicted| predicted.seconds) })
+    let seconds = predicted.map(|predicted| predicted.seconds);
+    Ok(Answer { setting, binding, set, strikes: now.mach > 0.0, seconds })
 }
 
 /// Writes a scene whose files are named from `folder`: where it comes to lie elsewhere, by their whole paths.
@@ -129,7 +145,7 @@ fn write(file: &Path, scene: &SceneSpec, folder: &Path) -> anyhow::Result<()> {
 }
 
 fn print(answer: &Answer, wanted: Wanted, for_scene: bool) -> anyhow::Result<()> {
-    let Answer { setting, binding, set, seconds } = answer;
+    let Answer { setting, binding, set, seconds, .. } = answer;
     println!(
         "{}: {:.0} cells across the body, {:.3} particles to a cell",
         setting.arm, setting.cells_across, setting.particles_per_cell
@@ -140,9 +156,16 @@ fn print(answer: &Answer, wanted: Wanted, for_scene: bool) -> anyhow::Result<()>
             _ => println!("  numerics.{key} = {value}"),
         }
     }
+    let [least, greatest] = setting.machs;
+    let whose = match for_scene {
+        true if answer.strikes => "that of this scene",
+        true => "nothing strikes anything in this scene",
+        false => "the first scene of the study",
+    };
     println!(
-        "  error of the first waves: {:.3} on the mean over scenes; in another scene between {:.3} and {:.3} with 90 % confidence",
-        setting.error, setting.error_lower, setting.error_bound
+        "  error of the first waves at an impact of Mach {:.2} ({whose}; learnt from {least:.2} to {greatest:.2}): {:.3} on the mean over scenes; in one \
+         scene between {:.3} and {:.3} with 90 % confidence",
+        setting.mach, setting.error, setting.error_lower, setting.error_bound
     );
     let [held_out, below] = setting.held_out;
     println!("  in {below} of {held_out} scenes that nothing was learnt from it was below that");

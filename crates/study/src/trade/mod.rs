@@ -5,6 +5,7 @@
 
 mod equivalence;
 mod errors;
+mod impacts;
 mod nearest;
 mod recommend;
 mod settings;

@@ -7,7 +7,8 @@ use serde::Serialize;
 use thiserror::Error;
 use toml::{Table, Value};
 
-use super::settings::{KEYS, cells_across};
+use super::impacts::cells_across;
+use super::settings::KEYS;
 use crate::spec::SceneSpec;
 use crate::template::Record;
 
@@ -24,12 +25,16 @@ pub struct Setting {
     pub numerics: Table,
     /// Wall time of the study's first scene on one thread [s].
     pub seconds: f64,
-    /// E, geometric mean over scenes.
+    /// E at the Mach number `mach`, geometric mean over scenes.
     pub error: f64,
     /// Lower 95 % limit of E in another scene.
     pub error_lower: f64,
     /// Upper 95 % limit of E in another scene, and the error of the reference itself on top.
     pub error_bound: f64,
+    /// Mach number of the impact for which errors are told: impact speed over wave speed.
+    pub mach: f64,
+    /// The least and the greatest Mach number that errors were learnt at.
+    pub machs: [f64; 2],
     /// Greatest 90 % limit of |d| of fragments [SD], where it was measured.
     pub spread: Option<f64>,
     /// Scenes held out, and those of them with E below the upper limit.
@@ -84,10 +89,15 @@ pub enum Binding {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Refusal {
     /// No setting has so small an error.
-    #[error("no setting is known to keep E below {wanted}; the closest, `{arm}`, keeps it below {least:.3}")]
+    #[error(
+        "no setting is known to keep E below {wanted} at an impact of Mach {mach:.2}; the closest, `{arm}`, keeps it below {least:.3} (slower impacts \
+         press in fewer cells, of which a grid is off by as much)"
+    )]
     Error {
         /// What was wanted.
         wanted: f64,
+        /// Mach number of the impact.
+        mach: f64,
         /// The closest there is.
         arm: String,
         /// Its bound.
@@ -136,9 +146,22 @@ impl Setting {
             error: number("error")?,
             error_lower: number("error_lower")?,
             error_bound: number("error_bound")?,
+            mach: number("mach")?,
+            machs: [number("mach_least")?, number("mach_greatest")?],
             spread: number("spread").ok(),
             held_out: [number("held_out")? as u64, number("held_out_below")? as u64],
         })
+    }
+
+    /// The same with its errors at another impact. They go like 1 over the Mach number ([`super::impacts`]), and no further down than at the
+    /// greatest that is known: what is faster is crushed where it touches. Where nothing strikes anything they stay as they are.
+    pub fn at(&self, mach: f64) -> Setting {
+        let known = self.mach > 0.0 && mach > 0.0;
+        let factor = if known { self.mach / mach.min(self.machs[1]) } else { 1.0 };
+        let mach = if known { mach } else { self.mach };
+        let [error, error_lower, error_bound] =
+            [self.error, self.error_lower, self.error_bound].map(|error| error * factor);
+        Setting { mach, error, error_lower, error_bound, ..self.clone() }
     }
 
     /// The scene with this setting: its spacing and the rest of its numerics, and as many particles of each body as there are then to a cell, where
@@ -184,9 +207,12 @@ pub fn recommend(settings: &[Setting], wanted: Wanted) -> Result<(&Setting, Bind
     let Some(found) = cheapest(&|setting| close(setting) && alike(setting)) else {
         let closest = settings.iter().min_by(|a, b| a.error_bound.total_cmp(&b.error_bound));
         return Err(match (wanted.error, closest) {
-            (Some(error), Some(closest)) if closest.error_bound > error => {
-                Refusal::Error { wanted: error, arm: closest.arm.clone(), least: closest.error_bound }
-            }
+            (Some(error), Some(closest)) if closest.error_bound > error => Refusal::Error {
+                wanted: error,
+                mach: closest.mach,
+                arm: closest.arm.clone(),
+                least: closest.error_bound,
+            },
             _ => {
                 let known = || settings.iter().filter_map(|setting| setting.spread);
                 Refusal::Fragments {

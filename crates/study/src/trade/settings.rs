@@ -1,8 +1,10 @@
 //! What a setting costs and how far it is off, over many scenes: what [`super::recommend`] chooses from.
 //!
 //! A setting is an arm of a study with `[tradeoff]`, along whose axis the scene changes. Its error E in a scene is the largest of e_u, e_I and e_K,
-//! the mean over blocks. Over scenes ln E is taken to be normal: the limits of a setting are those between which the error in one more scene lies,
-//! and scenes that are held out show whether it does.
+//! the mean over blocks.
+//!
+//! Errors are told for the impact of the study's first scene ([`super::impacts`]). What is left over scenes is taken to be log-normal: the limits of
+//! a setting are those between which the error in one more scene lies, and scenes that are held out show whether it does.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,7 +12,7 @@ use std::path::Path;
 use toml::{Table as Toml, Value};
 
 use super::Truths;
-use crate::cost::extents;
+use super::impacts::{Impacts, cells_across};
 use crate::memory;
 use crate::results::{Archive, CaseResult};
 use crate::spec::SceneSpec;
@@ -42,7 +44,7 @@ pub(super) const KEYS: [&str; 7] = [
 struct Known<'a> {
     first: &'a CaseResult,
     coarser: Option<f64>,
-    /// Number of the scene and E in it.
+    /// Number of the scene and E in it, carried to the impact of the first scene.
     errors: Vec<(f64, f64)>,
     steps: f64,
     iterations: f64,
@@ -91,9 +93,10 @@ pub fn settings(
     seconds: &BTreeMap<String, f64>,
     fragments: &[Record],
 ) -> Result<[Table; 2], StoreError> {
-    let all = known(archive, results, tradeoff)?;
+    let impacts = Impacts::of(archive, results, tradeoff);
+    let all = known(archive, results, tradeoff, &impacts)?;
     let (coarser, own): (Vec<&Known>, Vec<&Known>) = all.iter().partition(|known| known.coarser.is_some());
-    let reference = reference(&coarser);
+    let reference = reference(&coarser, &impacts);
     let its_errors: Vec<f64> = reference.rows.iter().filter_map(|row| row.value("error")).collect();
     let its_error = statistics::median(&its_errors);
     let limits: Vec<Option<Limits>> = own.iter().map(|known| Limits::of(known.learnt(tradeoff))).collect();
@@ -110,6 +113,7 @@ pub fn settings(
         the_setting(&mut row, known, archive.folder);
         its_cost(&mut row, known, *own_seconds, archive.folder);
         its_error_columns(&mut row, known, *own_limits, its_error, tradeoff);
+        impacts.columns(&mut row);
         row.put(
             "on_front",
             "-",
@@ -164,7 +168,12 @@ fn its_error_columns(
     let held_out: Vec<f64> = tradeoff.held_out.iter().filter_map(|&n| known.in_scene(n)).collect();
     let below = |limits: Limits| held_out.iter().filter(|error| **error <= limits.upper).count();
     row.count("scenes", "scenes that E is learnt from", known.learnt(tradeoff).count() as u64)
-        .put("error", "-", "E, geometric mean over scenes", limits.map(|limits| limits.mean))
+        .put(
+            "error",
+            "-",
+            "E, geometric mean over scenes, at the impact of the first one",
+            limits.map(|limits| limits.mean),
+        )
         .put("error_lower", "-", "lower 95 % limit in another scene", limits.map(|limits| limits.lower))
         .put("error_upper", "-", "upper 95 % limit in another scene", limits.map(|limits| limits.upper))
         .put(
@@ -181,13 +190,14 @@ fn its_error_columns(
         )
         .count("held_out", "scenes held out", held_out.len() as u64)
         .count("held_out_below", "of them with E below the upper limit", limits.map_or(0, below) as u64)
-        .put("held_out_error", "-", "E in them, geometric mean", geometric_mean(&held_out));
+        .put("held_out_error", "-", "E in them, geometric mean, at that impact", geometric_mean(&held_out));
 }
 
 fn known<'a>(
     archive: &Archive,
     results: &'a [CaseResult],
     tradeoff: &TradeoffSpec,
+    impacts: &Impacts,
 ) -> Result<Vec<Known<'a>>, StoreError> {
     let mut truths = Truths::new(archive, results);
     let mut all: Vec<Known> = Vec::new();
@@ -211,7 +221,7 @@ fn known<'a>(
         let known = all.last_mut().expect("one has been put there");
         known.stopped += group.iter().filter(|result| !usable(result)).count();
         if let (Some(scene), Some(error)) = (first.case.number(&tradeoff.axis), statistics::mean(&errors)) {
-            known.errors.push((scene, error));
+            known.errors.push((scene, error * impacts.carried(scene)));
             let scenes = known.errors.len() as f64;
             let add = |mean: &mut f64, values: &[f64]| {
                 *mean += (statistics::mean(values).unwrap_or(0.0) - *mean) / scenes;
@@ -225,7 +235,7 @@ fn known<'a>(
 
 /// How far the reference is from the truth, by Richardson's rule from the same on two coarser grids: where e_r is the error of one r times as coarse
 /// beside the reference, e_r = C (r^p - 1), and C is the reference's own.
-fn reference(coarser: &[&Known]) -> Table {
+fn reference(coarser: &[&Known], impacts: &Impacts) -> Table {
     let mut by_ratio = coarser.to_vec();
     by_ratio.sort_by(|a, b| a.coarser.partial_cmp(&b.coarser).expect("ratios are numbers"));
     let [near, far] = by_ratio[..] else { return Table { name: "reference", rows: Vec::new() } };
@@ -235,6 +245,12 @@ fn reference(coarser: &[&Known]) -> Table {
         let order = order(far_error / near_error, r, s);
         let mut row = Row::default();
         row.number("scene", "-", "number of the scene", scene)
+            .number(
+                "carried",
+                "-",
+                "cells that the impact presses in while a wave crosses the body, over those of the first scene; errors are carried by it",
+                impacts.carried(scene),
+            )
             .number("error_near", "-", "E of the reference on the next coarser grid", near_error)
             .number("error_far", "-", "E of the reference on the grid after that", far_error)
             .number("order", "-", "of convergence, held within 1/2 and 2", order)
@@ -262,12 +278,6 @@ fn order(ratio: f64, r: f64, s: f64) -> f64 {
 fn geometric_mean(values: &[f64]) -> Option<f64> {
     let logs: Vec<f64> = values.iter().copied().map(libm::log).collect();
     statistics::mean(&logs).map(libm::exp)
-}
-
-/// Cells across the first body, where it is narrowest.
-pub(super) fn cells_across(scene: &SceneSpec, folder: &Path) -> f64 {
-    let least = |extents: Vec<f64>| extents.into_iter().reduce(f64::min);
-    extents(scene, folder).and_then(least).map_or(f64::NAN, |extent| extent / scene.numerics.spacing)
 }
 
 /// What of `numerics` makes a setting, as an inline table.

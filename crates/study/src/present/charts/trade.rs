@@ -112,7 +112,7 @@ fn settings(findings: Findings) -> anyhow::Result<Option<Titled>> {
     Ok(drawn(curves(&figure))?.map(|drawing| Titled {
         name: "settings".into(),
         title: "What accuracy costs".into(),
-        caption: "E, the largest of the relative errors of displacements, impulse and kinetic energy in the first waves, against the time of the first scene: geometric means over scenes, with the interval for a scene to come.".into(),
+        caption: "E, the largest of the relative errors of displacements, impulse and kinetic energy in the first waves, against the time of the first scene: geometric means over scenes, carried to the impact of the first one, with the interval for a scene to come.".into(),
         alternative: "Error of every setting against its time, by family; the numbers are in settings.csv.".into(),
         drawing,
     }))
