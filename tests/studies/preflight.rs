@@ -115,11 +115,28 @@ const CLIFFS: &[Cliff] = &[
         "numerics.precision",
         &["cells apart", "`f64`"],
     ),
+    (
+        "friction = 0.5",
+        "[[collider]]\nshape = { kind = \"box\", centre = [0.4, -0.4], half_extent = [0.1, 0.1], angle = 45.0 }",
+        "collider.1.shape",
+        &["line of nodes", "fraction of a cell"],
+    ),
 ];
 
 #[test]
 fn a_sound_scene_has_no_hazard() {
     assert_eq!(hazards_of(SOUND), []);
+    let beside = |shape: &str| {
+        SOUND.replace("friction = 0.5", &format!("[[collider]]\nshape = {{ kind = \"box\", {shape} }}"))
+    };
+    // On edge between lines of nodes, once for its centre and once for its length; flat.
+    for shape in [
+        "centre = [0.405, -0.405], half_extent = [0.1, 0.1], angle = 45.0",
+        "centre = [0.4, -0.4], half_extent = [0.1, 0.107], angle = 45.0",
+        "centre = [0.4, -0.4], half_extent = [0.1, 0.1]",
+    ] {
+        assert_eq!(hazards_of(&beside(shape)), [], "{shape}");
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::memory::in_words;
 use crate::spec::SceneSpec;
-use crate::spec::scene::{ContactName, EndFrom, MaterialSpec, PrecisionName};
+use crate::spec::scene::{ColliderSpec, ContactName, EndFrom, MaterialSpec, PrecisionName, SolidSpec};
 
 use super::facts::Facts;
 
@@ -56,14 +56,18 @@ const HARD: f64 = 20.0;
 /// Cells from the local origin up to which f32 resolves a step's motion (as for the origin itself, `assemble`).
 const FAR: f64 = 16384.0;
 
+/// Cells, or degrees, within which an edge is taken to lie where round-off decides (chosen: f32 resolves 1e-6 of a metre-sized scene).
+const ON_NODES: f64 = 1e-4;
+
 /// One kind of thing that can go wrong.
 type Rule = fn(&SceneSpec, &Facts) -> Vec<Advice>;
 
-const RULES: [Rule; 14] = [
+const RULES: [Rule; 15] = [
     memory,
     unstable_step,
     nothing_meets,
     buried,
+    edges_on_nodes,
     pressed,
     coincident,
     fast_impact,
@@ -169,6 +173,27 @@ fn buried(spec: &SceneSpec, facts: &Facts) -> Vec<Advice> {
         )
     };
     facts.buried.iter().map(of).collect()
+}
+
+/// Below the edge of a box that stands on edge, nodes on the plane between its faces are as near to one as to the other. Two edges lie in each plane
+/// along an axis: at the centre, but for the half of what the box is longer than wide.
+fn edges_on_nodes(spec: &SceneSpec, _: &Facts) -> Vec<Advice> {
+    let h = spec.numerics.spacing;
+    let is_on_nodes = |x: f64| ((x / h).round() - x / h).abs() < ON_NODES;
+    let of = |(number, collider): (usize, &ColliderSpec)| {
+        let SolidSpec::Box(solid) = &collider.shape else { return None };
+        let stands_on_edge = ((solid.angle - 45.0) % 90.0).abs() < ON_NODES;
+        let off = (solid.half_extent[0] - solid.half_extent[1]) / std::f64::consts::SQRT_2;
+        let lines = solid.centre[..2].iter().flat_map(|x| [x - off, x + off]);
+        (stands_on_edge && lines.into_iter().any(is_on_nodes)).then(|| {
+            Advice::new(
+                format!("collider.{number}.shape"),
+                "the box stands on an edge above a line of nodes: round-off decides to which of its sides they push, and f32 and f64 part there",
+                "shift it by a fraction of a cell, or take a ball: no grid resolves a sharp edge",
+            )
+        })
+    };
+    spec.collider.iter().enumerate().filter_map(of).collect()
 }
 
 fn placement(_: &SceneSpec, facts: &Facts) -> Vec<Advice> {
