@@ -113,3 +113,14 @@ fn every_column_is_in_the_dictionary() {
     assert_eq!(claims[0]["claim"], "irregular-breaks-more");
     assert!(claims[0]["verdict"].starts_with("not-run"), "{:?}", claims[0]);
 }
+
+#[test]
+fn a_study_without_claims_has_no_table_of_them() {
+    let desk = Desk::with(&[("study.toml", &study("[[arm]]\nid = \"one\"\n"))]);
+    desk.expect(0, "run study.toml --jobs 2");
+    // Of an earlier report, when it had some.
+    desk.write("results/tiny/claims.csv", "claim\none\n");
+    desk.expect(0, "report study.toml");
+    assert!(!desk.path("results/tiny/claims.csv").exists());
+    assert!(desk.path("results/tiny/summary.csv").exists());
+}

@@ -1,5 +1,9 @@
 //! collect, report, check: tables from the files of the cases alone, and what is made of them. Nothing here simulates.
 
+use std::io::ErrorKind;
+use std::path::Path;
+
+use anyhow::Context;
 use clap::Args;
 use serde::Serialize;
 use snowlab_study::check as expectations;
@@ -178,13 +182,29 @@ fn write_tables(archive: &Archive, results: &[CaseResult], text: &str, more: &[T
     let maps = outcome_map::maps(archive.study, results);
     let maps = (!maps.is_empty()).then(|| outcome_map::table(&maps));
     let all: Vec<&Table> = own.iter().chain(more).chain([&timings]).chain(&trades).chain(&maps).collect();
+    let root = archive.store.root();
+    // A table without rows has no columns either: a study without claims has none of claims.
+    let (all, empty): (Vec<&Table>, Vec<&Table>) = all.into_iter().partition(|table| !table.rows.is_empty());
     for table in &all {
-        table.write(archive.store.root())?;
+        table.write(root)?;
     }
-    dictionary(&all).write(archive.store.root())?;
+    for table in empty {
+        remove(&root.join(format!("{}.csv", table.name)))?;
+    }
+    dictionary(&all).write(root)?;
     let manifest = StudyManifest::of(archive, text, Program::this(archive.folder), results);
     if let Some(warning) = manifest.warning() {
         eprintln!("{warning}");
     }
-    Ok(manifest.write(archive.store.root())?)
+    Ok(manifest.write(root)?)
+}
+
+/// Removes the file of an earlier report, if there is one.
+fn remove(file: &Path) -> anyhow::Result<()> {
+    match std::fs::remove_file(file) {
+        Err(error) if error.kind() != ErrorKind::NotFound => {
+            Err(error).with_context(|| file.display().to_string())
+        }
+        _ => Ok(()),
+    }
 }
