@@ -57,7 +57,8 @@ fn results_do_not_hang_on_the_number_of_jobs() {
     let names: Vec<String> =
         tables.map(|(path, _)| path.file_name().unwrap().display().to_string()).collect();
     let of_cases = ["cases.csv", "dictionary.csv", "fragments.csv", "frames.csv", "summary.csv"];
-    let of_claims = ["claims.csv", "replicates.csv", "robustness.csv"];
+    // Two blocks are too few for a plan of replicates.
+    let of_claims = ["claims.csv", "robustness.csv"];
     assert_eq!(
         names.into_iter().collect::<BTreeSet<_>>(),
         [&of_cases[..], &of_claims].concat().into_iter().map(String::from).collect()
