@@ -18,7 +18,6 @@ use crate::record::Outcome;
 use crate::results::{Archive, CaseResult};
 use crate::spec::scene::PlacementSpec;
 use crate::spec::study::MeasureSpec;
-use crate::tables::usable;
 
 pub use gates::Gates;
 pub use stretched::{Stretched, stretched_arms};
@@ -161,11 +160,12 @@ impl Member {
             for result in block {
                 let measured = remeasure(archive, result, count, &yardstick)?;
                 rows.push(primary_value(result, measured.as_ref()));
+                let seen = measured.as_ref().is_some_and(|m| m.seen);
                 for (check, value) in measured.iter().flat_map(|m| m.checks) {
-                    put(&mut checks, check, arm_value(result, Some(value), true));
+                    put(&mut checks, check, arm_value(result, Some(value), seen));
                 }
                 for (name, value) in measured.iter().flat_map(|m| &m.others) {
-                    put(&mut others, *name, arm_value(result, Some(*value), true));
+                    put(&mut others, *name, arm_value(result, Some(*value), seen));
                 }
             }
         }
@@ -229,7 +229,7 @@ fn blocks_of<'a>(results: &'a [CaseResult], arm: impl Fn(&'a CaseResult) -> Opti
 
 /// A case by the primary metric.
 fn primary_value(result: &CaseResult, measured: Option<&Remeasured>) -> ArmValue {
-    arm_value(result, measured.map(|m| m.primary), measured.is_none_or(|m| m.whole))
+    arm_value(result, measured.map(|m| m.primary), measured.is_some_and(|m| m.whole))
 }
 
 /// N*: the least number of particles among the cases of a block that were built.
@@ -245,14 +245,15 @@ fn thinning_of(result: &CaseResult) -> Thinning {
     }
 }
 
-fn arm_value(result: &CaseResult, value: Option<f64>, whole: bool) -> ArmValue {
+/// A case by some metric, which is believed or not.
+fn arm_value(result: &CaseResult, value: Option<f64>, believed: bool) -> ArmValue {
     ArmValue {
         block: result.case.block,
         arm: result.case.arm.clone(),
         value: value.unwrap_or(f64::NAN),
         status: match &result.record.outcome {
             Outcome::Stopped { .. } => CaseStatus::Stopped,
-            _ if !usable(result) || !whole || value.is_none() => CaseStatus::MetricInvalid,
+            _ if !believed || value.is_none() => CaseStatus::MetricInvalid,
             Outcome::Ok => CaseStatus::Ok,
             Outcome::OkWithClamps => CaseStatus::OkWithClamps { clamp_share: result.record.clamp_share() },
         },

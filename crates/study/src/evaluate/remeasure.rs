@@ -18,7 +18,9 @@ use crate::store::StoreError;
 pub struct Remeasured {
     /// A = ln N_eff by the primary metric.
     pub primary: f64,
-    /// Whether that metric sees, in the thinned particles, the intended bodies at t = 0.
+    /// Whether the claim's link sees the intended bodies at t = 0.
+    pub seen: bool,
+    /// Whether the primary metric, too, sees them, in the thinned particles.
     pub whole: bool,
     /// The same endpoint measured otherwise.
     pub checks: [(Check, f64); 5],
@@ -98,11 +100,19 @@ fn remeasure_in<const D: usize>(
     let unthinned =
         || number(last, all, &|points, masses| Ok(by_primary(points, masses)?.log_effective_number()));
     // What is on record is by the study's own h_max.
+    let is_on_record = spec.largest_spacing == archive.study.measure.largest_spacing;
+    let points = |frame: Option<&Frame<D>>| frame.map_or(Vec::new(), Frame::points);
+    let seen = || -> Result<bool, MetricError> {
+        if is_on_record {
+            return Ok(metrics.gate_valid);
+        }
+        let found = ruler.fragments(&points(first), &frames.masses)?;
+        Ok(Gate::judge(&found, ruler.least_mass, spec.bodies).is_valid())
+    };
     let bonds = || {
-        if spec.largest_spacing == archive.study.measure.largest_spacing {
+        if is_on_record {
             return Ok(metrics.ln_neff_bonds);
         }
-        let points = |frame: Option<&Frame<D>>| frame.map_or(Vec::new(), Frame::points);
         let bonds = BondGraph::new(&points(first), ruler.spacing)?;
         Ok(bonds.analyse(&points(last), &frames.masses)?.fragments.log_effective_number())
     };
@@ -118,9 +128,11 @@ fn remeasure_in<const D: usize>(
         if *grids_differ {
             others.push(("each by its own grid, all particles", by_own_grid()?));
         }
+        let seen = seen()?;
         Ok(Remeasured {
             primary: at(last, &by_primary)?,
-            whole: whole(first)?,
+            seen,
+            whole: seen && whole(first)?,
             checks: [
                 (Check::NoThinning, unthinned()?),
                 (Check::LongLink, at(last, &by_link(3.0 * ruler.spacing))?),

@@ -55,7 +55,10 @@ pub fn contrast(findings: Findings, contrast: &Contrast) -> String {
     match contrast {
         Contrast::Paired { treated, control } => format!("{} - {}", label(treated), label(control)),
         Contrast::Trend { arms } => format!("- slope on log2 N, {} arms, x log2 6", arms.len()),
-        Contrast::Range { arms } => format!("range of {} arm means", arms.len()),
+        Contrast::Range { arms } => {
+            let ends = [arms.first(), arms.last()].map(|arm| arm.map_or(String::new(), |arm| label(arm)));
+            format!("range: {}", ends.join(" \u{2026} "))
+        }
         Contrast::Weighted { weights } => {
             let term = |(arm, weight): (&String, &f64)| {
                 let sign = if *weight < 0.0 { "-" } else { "+" };
