@@ -153,7 +153,7 @@ impl Setting {
         })
     }
 
-    /// The same with its errors at another impact. They go like 1 over the Mach number ([`super::impacts`]), and no further down than at the
+    /// The same with its errors at another impact. They go like 1 over the Mach number (`trade::impacts` says why), and no further down than at the
     /// greatest that is known: what is faster is crushed where it touches. Where nothing strikes anything they stay as they are.
     pub fn at(&self, mach: f64) -> Setting {
         let known = self.mach > 0.0 && mach > 0.0;
